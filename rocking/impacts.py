@@ -1,0 +1,103 @@
+"""Impulses between a rectangular block and the floor, per unit mass.
+
+The block touches at the corner r = (r_x, r_z) from its centre of mass; the corner arrives with the tangential
+velocity u and the normal velocity v < 0.  An impulse (P_x, P_z) there changes the velocities of the centre of mass by
+(P_x, P_z), the angular velocity (clockwise) by (r_z P_x - r_x P_z) / rho2, and so those of the corner by A P with
+
+    A = [[1 + r_z^2/rho2, -r_x r_z/rho2], [-r_x r_z/rho2, 1 + r_x^2/rho2]],   rho2 = I_c / m.
+
+Laws     `frictional` (default): Chatterjee & Ruina (1998): normal restitution e_n exactly, tangential e_t within
+         the friction cone; energy never grows.  `kinematic`: v -> -e_n v and u -> -e_t u, whatever friction would
+         allow.  `two_corner`: plastic, with a share of the impulse at the corner that carried; rocking impacts only.
+Source   Chatterjee & Ruina (1998), J. Appl. Mech. 65, 939-951, for the one-corner law; own derivation for the rest.
+Status   Ishiyama (1982) introduced a normal and a tangential coefficient; whether he limited the tangential impulse by
+         friction is not known to us, hence the law is a named choice.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+def corner_impulse(
+    xp: Any, r_x: Any, r_z: Any, u: Any, v: Any, rho2: Any, mu: Any, e_n: Any, e_t: Any, kinematic: Any
+) -> tuple[Any, Any]:
+    """Impulse (P_x, P_z) at one corner that arrives with (u, v), v <= 0."""
+    A_xx = 1.0 + r_z * r_z / rho2
+    A_xz = -r_x * r_z / rho2
+    A_zz = 1.0 + r_x * r_x / rho2
+    det = A_xx * A_zz - A_xz * A_xz
+    # P_I stops the approach without friction, P_II stops approach and slip; d leads from one to the other.
+    p_one_z = -v / A_zz
+    p_two_x = -(A_zz * u - A_xz * v) / det
+    p_two_z = -(A_xx * v - A_xz * u) / det
+    d_x, d_z = p_two_x, p_two_z - p_one_z
+    P_x = (1.0 + e_t) * d_x
+    P_z = (1.0 + e_n) * p_one_z + (1.0 + e_t) * d_z
+    slips = xp.abs(P_x) > mu * P_z
+    slope = xp.abs(d_x) - xp.where(slips, mu, 0.0) * d_z
+    k = xp.where(slips, mu, 0.0) * (1.0 + e_n) * p_one_z / xp.where(slips, slope, 1.0)
+    P_x = xp.where(slips, k * d_x, P_x)
+    P_z = xp.where(slips, (1.0 + e_n) * p_one_z + k * d_z, P_z)
+    # The kinematic pair asks for both velocities after the impact and takes whatever impulse that needs.
+    du, dv = -(1.0 + e_t) * u, -(1.0 + e_n) * v
+    P_x = xp.where(kinematic, (A_zz * du - A_xz * dv) / det, P_x)
+    P_z = xp.where(kinematic, (A_xx * dv - A_xz * du) / det, P_z)
+    return P_x, P_z
+
+
+def after_impulse(
+    r_x: Any, r_z: Any, u: Any, v: Any, omega: Any, P_x: Any, P_z: Any, rho2: Any
+) -> tuple[Any, Any, Any]:
+    """Corner velocities and angular velocity (u, v, omega) after the impulse (P_x, P_z) at that corner."""
+    spin = (r_z * P_x - r_x * P_z) / rho2
+    return u + P_x + r_z * spin, v + P_z - r_x * spin, omega + spin
+
+
+def two_corner_impact(
+    xp: Any, s: Any, u: Any, v_new: Any, omega: Any, b: Any, h: Any, rho2: Any, mu: Any, share: Any
+) -> tuple[Any, Any]:
+    """(u, omega) after a rocking impact that both corners of an upright block share.
+
+    Corner s carried and takes `share` of the normal impulse; the other lands with v_new < 0 and stays down.
+    The tangential velocity u, common to both, is brought to zero as far as friction reaches.
+    """
+    r_z = -0.5 * h
+    r_new = -s * 0.5 * b
+    # The two normal impulses act like their sum at r_eff, while the velocity that must vanish is that at r_new.
+    r_eff = r_new * (1.0 - 2.0 * share)
+    B_xx = 1.0 + r_z * r_z / rho2
+    B_xz = -r_eff * r_z / rho2
+    B_zx = -r_new * r_z / rho2
+    B_zz = 1.0 + r_new * r_eff / rho2
+    det = B_xx * B_zz - B_xz * B_zx
+    P_x = -(B_zz * u - B_xz * v_new) / det
+    P_z = -(B_xx * v_new - B_zx * u) / det
+    slips = xp.abs(P_x) > mu * P_z
+    ratio = xp.where(slips, xp.where(P_x > 0.0, mu, -mu), 0.0)
+    P_z = xp.where(slips, -v_new / (B_zz + ratio * B_zx), P_z)
+    P_x = xp.where(slips, ratio * P_z, P_x)
+    spin = (r_z * P_x - r_eff * P_z) / rho2
+    return xp.where(slips, u + P_x + r_z * spin, 0.0), omega + spin
+
+
+def flat_impact(
+    xp: Any, u: Any, v: Any, omega: Any, b: Any, h: Any, rho2: Any, mu: Any, e_n: Any, e_t: Any
+) -> tuple[Any, Any, Any, Any, Any]:
+    """(u, v, omega, P_plus, P_minus) after both corners of an upright block have landed at once.
+
+    u is the horizontal velocity of the base, v and omega those of the centre of mass and of the block.  A negative
+    P_plus or P_minus (normal impulse at the +x, -x corner) says that the floor would have to pull there.
+    """
+    P_n = -(1.0 + e_n) * v
+    x_dot = u + 0.5 * h * omega
+    x_speed = xp.abs(x_dot)
+    wanted = (1.0 + e_t) * x_speed
+    # min() written with where: an infinite mu times a P_n of zero must not decide.
+    held = (P_n > 0.0) & (wanted <= mu * P_n)
+    taken = xp.where(held, wanted, xp.where(P_n > 0.0, xp.where(held, 0.0, mu), 0.0) * P_n)
+    P_x = xp.where(x_dot > 0.0, -taken, taken)
+    difference = (2.0 / b) * ((1.0 + e_n) * rho2 * omega - 0.5 * h * P_x)
+    omega_after = -e_n * omega
+    u_after = x_dot + P_x - 0.5 * h * omega_after
+    return u_after, -e_n * v, omega_after, 0.5 * (P_n + difference), 0.5 * (P_n - difference)

@@ -1,0 +1,214 @@
+"""Method 2: a block that rests, slides, rotates, does both, or leaves the floor, after Ishiyama (1982).
+
+Source   Ishiyama (1982), Earthquake Eng. Struct. Dyn. 10, 635-650: six modes, a normal and a tangential coefficient
+         of restitution, centric and eccentric impacts; Winkler, Meguro & Yamazaki (1995), "Method 2".
+Status   equations in `method2_equations`, transitions in `method2_transitions`, impact laws in `impacts`.  Kinetic
+         friction below 4/3 (beyond it a sliding corner may jam: Painleve's paradox) or infinite as a switch.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+from rocking.block import G_STANDARD, Block
+from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, SLIDE, SLIDE_ROTATION, TRANSLATION_JUMP, Discrete
+from rocking.method2_equations import (
+    FRICTIONAL,
+    KINEMATIC,
+    TWO_CORNER,
+    Parameters,
+    balance,
+    flow,
+    guards,
+)
+from rocking.method2_transitions import jump
+from rocking.validation import positive, within
+
+ImpactLaw = Literal["frictional", "kinematic", "two_corner"]
+IMPACT_LAWS = {"frictional": FRICTIONAL, "kinematic": KINEMATIC, "two_corner": TWO_CORNER}
+
+JAMMING_FRICTION = 4.0 / 3.0
+"""Kinetic friction from which a sliding corner of a uniform rectangle jams at some tilt."""
+
+KINEMATIC_CHI = 0.36
+"""Largest value over all tilts of 9 s^2 c^2 / ((1 + 3 s^2)(1 + 3 c^2)), s, c = sin, cos psi, at psi = pi/4."""
+
+
+def two_corner_share(block: Block, restitution: float) -> float:
+    """Share of a rocking impact's normal impulse at the old corner that gives `restitution`, eq. (4).
+
+        share = 1/2 - (1 - e) / (2 kappa (1 + e)),  kappa = 3 b^2 / (b^2 + 4 h^2)
+
+    Own derivation (plastic impact that sticks).  Zero gives Housner's restitution, one half gives 1.
+
+    Raises:
+        ValueError: e is above 1 or below Housner's: the old corner would have to be pulled down, so a greater loss is
+            an effect of another kind.
+    """
+    low = block.housner_restitution
+    if not low <= restitution <= 1.0:
+        raise ValueError(
+            f"restitution={restitution!r}: want {low:.6g} (Housner's for b/h={block.b / block.h:.4g}) to 1 for the "
+            "two-corner impact; a smaller one would need a corner that pulls"
+        )
+    kappa = 3.0 * block.b**2 / (block.b**2 + 4.0 * block.h**2)
+    return 0.5 - (1.0 - restitution) / (2.0 * kappa * (1.0 + restitution))
+
+
+@dataclass(frozen=True)
+class Method2:
+    """A block that may slide and jump as well as rock.
+
+    Args:
+        block: the block.
+        friction: static coefficient mu_s [1], 0 or more; `math.inf` never lets the corner slip.
+        kinetic_friction: mu_k [1], 0 to mu_s and below 4/3; mu_s if not given.
+        normal_restitution: e_n [1], 0 to 1: normal velocity after / before, of a corner or of a flat landing.
+        tangential_restitution: e_t [1], -1 (frictionless) over 0 (sticks) to 1 (reverses).
+        impact_law: "frictional" (Chatterjee & Ruina: e_n exactly, e_t within the friction cone; a rocking impact with
+            e_n = e_t = 0 then has Housner's restitution), "kinematic" (v -> -e_n v, u -> -e_t u at the corner), or
+            "two_corner" (rocking impacts have `restitution`; others are frictional).
+        restitution: e of eq. (4) [1] for "two_corner": Housner's to 1; not with another law.
+        g: acceleration of gravity [m/s^2].
+        rest_speed: a rocking impact after which |omega| / p is below this [1] brings the block upright.
+        chatter_time: a series of bounces that would end within this time [s] is finished at once.
+
+    Raises:
+        ValueError: an argument is out of its range; the kinematic pair (e_n, e_t) would create energy at some tilt;
+            friction is too low for the restitution of "two_corner".
+    """
+
+    block: Block
+    friction: float
+    kinetic_friction: float | None = None
+    normal_restitution: float = 0.0
+    tangential_restitution: float = 0.0
+    impact_law: ImpactLaw = "frictional"
+    restitution: float | None = None
+    g: float = G_STANDARD
+    rest_speed: float = 1e-6
+    chatter_time: float = 1e-5
+
+    name = "method2"
+    state_names = ("x", "z", "theta", "u", "v", "omega")
+    guard_names = ("fall", "landing", "contact", "slip", "stick", "lift", "tip")
+    inadmissible_reason = (
+        "friction without limit would have to pull the corner down: no mode is admissible (want a finite friction)"
+    )
+    flow = staticmethod(flow)
+    guards = staticmethod(guards)
+    jump = staticmethod(jump)
+    balance = staticmethod(balance)
+
+    def __post_init__(self) -> None:
+        within("friction", self.friction, 0.0, math.inf)
+        if self.kinetic_friction is not None:
+            within("kinetic_friction", self.kinetic_friction, 0.0, self.friction)
+        if JAMMING_FRICTION <= self.mu_k < math.inf:
+            raise ValueError(
+                f"friction={self.mu_k!r} (kinetic): want below 4/3, where a sliding corner may jam, or math.inf"
+            )
+        within("normal_restitution", self.normal_restitution, 0.0, 1.0)
+        within("tangential_restitution", self.tangential_restitution, -1.0, 1.0)
+        positive("g", self.g, "m/s^2")
+        positive("rest_speed", self.rest_speed, "1")
+        positive("chatter_time", self.chatter_time, "s")
+        if self.impact_law not in IMPACT_LAWS:
+            raise ValueError(f"impact_law={self.impact_law!r}: want one of {', '.join(IMPACT_LAWS)}")
+        if self.impact_law == "kinematic":
+            self._check_kinematic_energy()
+        if self.impact_law == "two_corner":
+            self._check_two_corner()
+        elif self.restitution is not None:
+            raise ValueError(
+                f"restitution={self.restitution!r}: want impact_law='two_corner' with it, not {self.impact_law!r}"
+            )
+
+    def _check_kinematic_energy(self) -> None:
+        e_n, e_t = self.normal_restitution, self.tangential_restitution
+        if (1.0 - e_n**2) * (1.0 - e_t**2) < KINEMATIC_CHI * (1.0 - e_n * e_t) ** 2:
+            raise ValueError(
+                f"normal_restitution={e_n!r}, tangential_restitution={e_t!r}: the kinematic pair creates energy at "
+                "some tilt; want (1 - e_n^2)(1 - e_t^2) >= 0.36 (1 - e_n e_t)^2"
+            )
+
+    def _check_two_corner(self) -> None:
+        if self.restitution is None:
+            raise ValueError("restitution=None: want a number with impact_law='two_corner'")
+        two_corner_share(self.block, self.restitution)
+        e = self.restitution
+        needed = self.block.h / self.block.b * (1.0 - e) / (1.0 + e)
+        if self.mu_k < needed:
+            raise ValueError(
+                f"friction={self.mu_k!r} (kinetic): want at least {needed:.6g}, or the corner slips in the impact and "
+                f"restitution={e!r} cannot be had"
+            )
+
+    @property
+    def mu_k(self) -> float:
+        """Kinetic friction in force [1]."""
+        return self.friction if self.kinetic_friction is None else self.kinetic_friction
+
+    @property
+    def theta_c(self) -> float:
+        """Tilt of unstable balance [rad]."""
+        return self.block.alpha
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """The numbers that the equations take."""
+        block = self.block
+        share = 0.0 if self.restitution is None else two_corner_share(block, self.restitution)
+        return Parameters(
+            b=float(block.b),
+            h=float(block.h),
+            R=block.R,
+            alpha=block.alpha,
+            rho2=block.I_c / block.mass,
+            g=float(self.g),
+            mu_s=float(self.friction),
+            mu_k=float(self.mu_k),
+            e_n=float(self.normal_restitution),
+            e_t=float(self.tangential_restitution),
+            law=float(IMPACT_LAWS[self.impact_law]),
+            share=share,
+            omega_rest=self.rest_speed * block.p(self.g),
+            chatter_time=float(self.chatter_time),
+        )
+
+    def initial_state(
+        self, theta: float = 0.0, omega: float = 0.0, u: float = 0.0, x: float = 0.0, z: float = 0.0, v: float = 0.0
+    ) -> tuple[tuple[float, ...], Discrete]:
+        """State at the start: at rest, leaning on a corner, or in the air.
+
+        Args:
+            theta, omega: rotation [rad] and angular velocity [rad/s].
+            u, v: horizontal and vertical velocity [m/s] of the carrying corner (that which leans, else the +x one).
+            x: position [m] of the middle of the base when upright; the lower corner's is x +- b/2.
+            z: height [m] of the lower corner over the floor, 0 or more.
+
+        Raises:
+            ValueError: z is negative, or a velocity would drive a corner into the floor.
+        """
+        within("z", z, 0.0, math.inf)
+        leans = theta if theta != 0.0 else omega
+        s = -1.0 if leans < 0.0 else 1.0
+        y = (x + s * 0.5 * self.block.b, float(z), float(theta), float(u), float(v), float(omega))
+        return y, Discrete(self._initial_mode(y, leans), s, -1.0 if u < 0.0 else 1.0)
+
+    def _initial_mode(self, y: tuple[float, ...], leans: float) -> int:
+        _, z, _, u, v, omega = y
+        if z == 0.0 and v < 0.0:
+            raise ValueError(f"v={v!r} m/s: want 0 or more for a corner on the floor")
+        if z > 0.0 or v > 0.0:
+            return TRANSLATION_JUMP if omega == 0.0 else ROTATION_JUMP
+        if leans == 0.0:
+            if u == 0.0:
+                return REST
+            return SLIDE if self.mu_k <= self.block.b / self.block.h else SLIDE_ROTATION
+        if u == 0.0 or self.friction == math.inf:
+            return ROTATION
+        return SLIDE_ROTATION

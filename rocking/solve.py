@@ -1,0 +1,85 @@
+"""The one public verb: carry a block through a base motion.
+
+>>> from rocking import Block, Method1, solve
+>>> free = solve(Method1(Block(b=0.2, h=0.8), g=9.81), theta=0.122, t_end=2.0, solver="scipy")
+>>> len(free.impact_times) >= 4
+True
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rocking.hybrid import Discrete, System
+from rocking.motion import BaseMotion, Still
+from rocking.solvers import load
+from rocking.trajectory import Trajectory
+from rocking.validation import positive
+
+DEFAULT_SAMPLES = 1001
+"""Samples of a trajectory when no times are asked for."""
+
+
+def solve(
+    system: System,
+    motion: BaseMotion | None = None,
+    *,
+    t_end: float,
+    t_start: float = 0.0,
+    theta: float = 0.0,
+    omega: float = 0.0,
+    initial: tuple[tuple[float, ...], Discrete] | None = None,
+    solver: str = "numba",
+    rtol: float = 1e-9,
+    atol: float = 1e-12,
+    save_at: ArrayLike | None = None,
+    max_events: int = 1_000_000,
+) -> Trajectory:
+    """Carry a block from `t_start` to its fall or to `t_end`.
+
+    Args:
+        system: the block under a method: `Method1(...)` or `Method2(...)`.
+        motion: what the base does; at rest if not given.
+        t_end, t_start: times [s].
+        theta, omega: rotation [rad] and angular velocity [rad/s] at the start; at rest and upright if not given.
+        initial: state (y, q) at the start from `system.initial_state(...)`, in place of theta and omega.
+        solver: name of a solver of the entry-point group `rocking.solvers`.
+        rtol, atol: relative and absolute tolerance [SI units of the state] of a step.
+        save_at: times [s], ascending, shape (time,), at which the state is kept; 1001 equal steps if not given.
+        max_events: the run ends as failed when it has more events.
+
+    Returns:
+        Trajectory: samples, events and outcome.  A run that cannot go on ends with `Outcome.FAILED` and a `reason`.
+
+    Raises:
+        ValueError: an argument is out of range, the solver is unknown, or it declines the system or the motion.
+    """
+    base = Still() if motion is None else motion
+    for name, value in (("t_start", t_start), ("theta", theta), ("omega", omega)):
+        if not math.isfinite(value):
+            raise ValueError(f"{name}={value!r}: want a finite number")
+    if not (math.isfinite(t_end) and t_end > t_start):
+        raise ValueError(f"t_end={t_end!r} s: want a time after t_start={t_start!r} s")
+    if abs(theta) >= 0.5 * math.pi:
+        raise ValueError(f"theta={theta!r} rad: want between -pi/2 and pi/2, where the block lies on its side")
+    positive("rtol", rtol, "1")
+    positive("atol", atol, "SI units of the state")
+    if max_events < 1:
+        raise ValueError(f"max_events={max_events!r}: want 1 or more")
+    if initial is not None and (theta != 0.0 or omega != 0.0):
+        raise ValueError("initial: want it without theta and omega, which it already holds")
+    times = np.linspace(t_start, t_end, DEFAULT_SAMPLES) if save_at is None else np.asarray(save_at, float)
+    if times.ndim != 1 or np.any(np.diff(times) < 0.0) or not np.all((times >= t_start) & (times <= t_end)):
+        raise ValueError(f"save_at: want ascending times between t_start={t_start!r} and t_end={t_end!r} s")
+    carrier = load(solver)
+    refusal = carrier.declines(system, base)
+    if refusal is not None:
+        raise ValueError(f"solver={solver!r} declines: {refusal}")
+    y0, q0 = system.initial_state(theta, omega) if initial is None else initial
+    return carrier.solve(
+        system, base, y0, q0, (float(t_start), float(t_end)),
+        rtol=rtol, atol=atol, save_at=times, max_events=max_events,
+    )  # fmt: skip

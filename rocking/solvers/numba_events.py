@@ -1,0 +1,133 @@
+"""Compiled Dormand-Prince with located events: the default.
+
+Impacts are bracketed on the dense output and then located by Newton's method with true steps, so their accuracy is
+that of a step and not of the interpolant.  Compiled code is kept on disk (`rocking.solvers.numba_compile`); a run
+releases the interpreter lock, so threads run side by side.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocking.hybrid import Base, Discrete, System
+from rocking.motion import BaseMotion
+from rocking.solvers.recording import segment_edges, trajectory
+from rocking.trajectory import Events, Trajectory
+
+
+def _discrete(q: Discrete) -> Discrete:
+    return Discrete(int(q.mode), float(q.s), float(q.slip))
+
+
+@cache
+def _motion_function(kernel: Any) -> Any:
+    from numba import types
+
+    from rocking.solvers.numba_compile import bound
+
+    f8 = types.float64
+    return bound(kernel, 2, types.UniTuple(f8, 2)(f8, f8[::1]))
+
+
+@cache
+def _system_functions(
+    flow: Any, guards: Any, jump: Any, balance: Any, parameters: Any, n: int, n_par: int, n_guards: int
+) -> tuple[tuple[Any, ...], Any]:
+    """(flow, guards, jump, balance) compiled, and the loop compiled for them."""
+    from numba import types
+
+    from rocking.solvers import numba_kernel
+    from rocking.solvers.numba_compile import bound, compiled, make_jitable
+
+    f8, i8 = types.float64, types.int64
+    row, state = f8[::1], types.UniTuple(f8, n)
+    q = types.NamedTuple((i8, f8, f8), Discrete)
+    base = types.NamedUniTuple(f8, 2, Base)
+    par = types.NamedUniTuple(f8, n_par, parameters)
+    signatures = (
+        state(row, q, base, par),
+        types.UniTuple(f8, n_guards)(row, q, base, par),
+        types.Tuple((state, q))(row, q, base, par, i8),
+        f8(row, par),
+    )
+    motion = types.UniTuple(f8, 2)(f8, row)
+    functions = tuple(
+        bound(function, arity, signature)
+        for function, arity, signature in zip((flow, guards, jump, balance), (4, 4, 5, 2), signatures, strict=True)
+    )
+    pointers = [types.FunctionType(signature) for signature in (*signatures, motion)]
+    arguments = (*pointers, row, q, par, row, row, f8, row, row, i8, i8)
+    label = f"integrate_{parameters.__module__}_{parameters.__qualname__}".replace(".", "_")
+    files = make_jitable(flow) | make_jitable(guards) | make_jitable(jump) | make_jitable(balance)
+    loop = compiled(_copy(numba_kernel.integrate), arguments, label, files)
+    return functions, loop
+
+
+def _copy(function: Any) -> Any:
+    """The same function as an object of its own, whose name may be changed."""
+    return type(function)(function.__code__, function.__globals__, function.__name__)
+
+
+class NumbaEvents:
+    """Compiled Dormand-Prince 5(4) with located events."""
+
+    name = "numba"
+
+    def declines(self, system: System, motion: BaseMotion) -> str | None:
+        """None: any plain functions compile; one that does not is numba's own error."""
+        return None
+
+    def solve(
+        self,
+        system: System,
+        motion: BaseMotion,
+        y0: tuple[float, ...],
+        q0: Discrete,
+        t_span: tuple[float, float],
+        *,
+        rtol: float,
+        atol: float,
+        save_at: NDArray[np.float64],
+        max_events: int,
+    ) -> Trajectory:
+        """The trajectory from t_span[0] to the fall or t_span[1]."""
+        par = system.parameters
+        kind: Any = type(par)
+        n_guards = len(system.guard_names)
+        functions, loop = _system_functions(
+            system.flow, system.guards, system.jump, system.balance, kind, len(y0), len(par), n_guards
+        )
+        status, t, last_mode, steps, saved, table = loop(
+            *functions,
+            _motion_function(motion.kernel),
+            np.array(y0, dtype=np.float64),
+            _discrete(q0),
+            kind(*(float(value) for value in par)),
+            np.ascontiguousarray(motion.parameters, dtype=np.float64),
+            segment_edges(motion, *t_span),
+            float(motion.max_step),
+            np.array([rtol, atol]),
+            np.ascontiguousarray(save_at, dtype=np.float64),
+            max_events,
+            n_guards,
+        )
+        y, mode, s = saved
+        times, codes, carrying, states = table
+        events = Events(times, codes[:, 0], codes[:, 1], codes[:, 2], carrying, states[:, 0], states[:, 1])
+        return trajectory(
+            system,
+            motion,
+            self.name,
+            status,
+            (t_span[0], t),
+            int(q0.mode),
+            last_mode,
+            (save_at[: len(y)], y, mode, s),
+            events,
+            max_events,
+            {"steps": int(steps)},
+        )
