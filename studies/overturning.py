@@ -1,0 +1,145 @@
+"""The criterion of overturning of one block under a ramped sinusoid, by each of the three methods.
+
+The criterion is the envelope of the base acceleration at the last instant at which |theta| passes the tilt of unstable
+balance before the block falls.
+
+Source   Winkler, Meguro & Yamazaki (1995), "Criteria of overturning for single blocks".
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+import dem
+from excitation import RampedSinusoid
+from rocking import Block, Method1, Method2, Mode, Outcome, solve
+from rocking.hybrid import System
+from rocking.method2 import ImpactLaw
+from studies.free_vibration import scene_of
+
+METHODS = ("method1", "method2", "dem")
+METHOD_LABELS = {"method1": "Method 1", "method2": "Method 2", "dem": "DEM"}
+
+STIFFNESS = 1.98e7
+"""Normal and shear stiffness of a contact [N/m]: Winkler, Meguro & Yamazaki (1995), "Material parameters"."""
+
+PAPER_STEP = 2.0e-6
+"""Time step of the distinct elements [s]: same source, "Numerical stability"."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Everything that a criterion depends on besides block, frequency and method; what the paper prints is marked."""
+
+    ramp: float = 25.0 * 9.80665  # envelope at the end [m/s^2]
+    duration: float = 90.0  # of the ramp [s]: "about 90 s" in the paper
+    imperfection: float = 0.0  # rms departure of the envelope [1]
+    seed: int = 0  # of that departure
+    friction: float = 0.7  # Method 2 and DEM [1]; the paper says only that it exceeds b/h
+    restitution: float | None = None  # e of eq. (4) [1]; Housner's if None
+    form: Literal["linear", "nonlinear"] = "linear"  # Method 1; eqs (2) and (3) as printed are linear
+    normal_restitution: float = 0.0  # Method 2 [1]
+    tangential_restitution: float = 0.0  # Method 2 [1]
+    impact_law: ImpactLaw = "frictional"  # Method 2
+    damping: float = math.nan  # DEM: dashpot of a corner [N s/m], from a free vibration
+    stiffness: float = STIFFNESS  # DEM: kn = ks [N/m], printed
+    dt: float = PAPER_STEP  # DEM: step [s], printed
+    solver: str = "numba"  # Methods 1 and 2
+    rtol: float = 1e-9
+    atol: float = 1e-12
+
+    def motion(self, frequency: float) -> RampedSinusoid:
+        """The base motion at a frequency [Hz]."""
+        return RampedSinusoid(frequency, self.duration, self.ramp, imperfection=self.imperfection, seed=self.seed)
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """What one run gave; NaN where it gave none, and then `note` says why."""
+
+    amplitude: float  # envelope at overturning [m/s^2]
+    time: float  # of overturning [s]
+    mode_fraction: NDArray[np.float64]  # share of the time until overturning in each mode, shape (6,)
+    note: str  # "overturned", or why there is no amplitude
+
+
+def _no_criterion(note: str) -> Criterion:
+    return Criterion(math.nan, math.nan, np.full(len(Mode), math.nan), note)
+
+
+def _criterion(motion: RampedSinusoid, time: float, spent: NDArray[np.float64]) -> Criterion:
+    return Criterion(float(motion.envelope(time)), time, spent / spent.sum(), "overturned")
+
+
+def _standing(settings: Settings) -> Criterion:
+    g_units = settings.ramp / 9.80665
+    return _no_criterion(f"standing at the end of the ramp, {settings.ramp:.4g} m/s^2 ({g_units:.3g} g)")
+
+
+def system_of(method: str, block: Block, settings: Settings) -> System:
+    """The block under Method 1 or 2.
+
+    Raises:
+        ValueError: the method cannot have these settings.
+    """
+    if method == "method1":
+        return Method1(block, restitution=settings.restitution, form=settings.form)
+    law: ImpactLaw = settings.impact_law if settings.restitution is None else "two_corner"
+    return Method2(
+        block,
+        friction=settings.friction,
+        normal_restitution=settings.normal_restitution,
+        tangential_restitution=settings.tangential_restitution,
+        impact_law=law,
+        restitution=settings.restitution,
+    )
+
+
+def _analytic(method: str, block: Block, frequency: float, settings: Settings) -> Criterion:
+    try:
+        system = system_of(method, block, settings)
+    except ValueError as refusal:
+        return _no_criterion(f"declined: {refusal}")
+    motion = settings.motion(frequency)
+    run = solve(
+        system, motion, t_end=settings.duration, solver=settings.solver,
+        rtol=settings.rtol, atol=settings.atol, save_at=(),
+    )  # fmt: skip
+    if run.outcome is Outcome.FAILED:
+        return _no_criterion(f"failed: {run.reason}")
+    if not run.overturned:
+        return _standing(settings)
+    return _criterion(motion, run.overturning_time, run.mode_durations(run.overturning_time))
+
+
+def _distinct_element(block: Block, frequency: float, settings: Settings) -> Criterion:
+    if not math.isfinite(settings.damping):
+        return _no_criterion("declined: no dashpot gives this restitution in a free vibration")
+    motion = settings.motion(frequency)
+    try:
+        run = dem.simulate(
+            scene_of(block), motion, t_end=settings.duration, dt=settings.dt, mu=settings.friction,
+            damping=settings.damping, kn=settings.stiffness, ks=settings.stiffness,
+        )  # fmt: skip
+    except ValueError as refusal:
+        return _no_criterion(f"declined: {refusal}")
+    if run.side == 0:
+        return _standing(settings)
+    return _criterion(motion, run.overturning_time, run.mode_seconds_to_overturning)
+
+
+def overturning(method: str, block: Block, frequency: float, settings: Settings) -> Criterion:
+    """The criterion of overturning of a block at a frequency [Hz] by "method1", "method2" or "dem"."""
+    if method == "dem":
+        return _distinct_element(block, frequency, settings)
+    return _analytic(method, block, frequency, settings)
+
+
+def varied(settings: Settings, **changes: object) -> Settings:
+    """The settings with some changed."""
+    return replace(settings, **changes)  # type: ignore[arg-type]

@@ -1,0 +1,53 @@
+"""The compiled step is kept on disk, found again, dropped when any source changes; imports stay light."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import dem
+
+SCRIPT = """
+import dem, sys
+assert "numba" not in sys.modules, "numba loaded at import"
+history = dem.simulate(
+    dem.single_block(0.15, 0.5, 0.25, 597.0), t_end=0.01, dt=1e-5, mu=0.5, damping_ratio=0.1, theta0=0.1
+)
+from dem.step import advance
+print(dem.__file__, sum(advance.stats.cache_hits.values()), sum(advance.stats.cache_misses.values()), history.theta[-1])
+"""
+
+
+@pytest.fixture
+def package(tmp_path):
+    """A copy of the package that the test may edit."""
+    copy = tmp_path / "dem"
+    shutil.copytree(Path(dem.__file__).parent, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    return copy
+
+
+def run(package):
+    """Cache hits, misses, last tilt and number of cache files after a run in its own process."""
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT], cwd=package.parent, capture_output=True, text=True, check=True
+    )
+    where, hits, misses, theta = done.stdout.split()
+    assert Path(where).parent == package
+    return int(hits), int(misses), float(theta), sorted(path.name for path in package.glob("__pycache__/*.nb[ic]"))
+
+
+def test_second_process_hits_the_cache_and_an_edit_elsewhere_replaces_it(package):
+    first, second = run(package), run(package)
+    assert first[:2] == (0, 1)
+    assert second[:2] == (1, 0)
+    assert second[2:] == first[2:]
+
+    law = package / "contact_law.py"
+    law.write_text(law.read_text().replace("stored + law.kn * approach", "stored + 0.5 * law.kn * approach"))
+    edited = run(package)
+    assert edited[:2] == (0, 1)
+    assert edited[2] != first[2]
+    assert len(edited[3]) == len(first[3]) == 2
+    assert not set(edited[3]) & set(first[3])

@@ -1,0 +1,188 @@
+"""Fig. 16 from the command line to the pictures."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from studies import fig16
+from studies.fig16_check import check
+from studies.fig16_drawing import figure, sensitivity_figure
+
+
+def command(*arguments, cwd=None):
+    return subprocess.run(
+        [sys.executable, "-m", "studies.fig16", *map(str, arguments)], capture_output=True, text=True, cwd=cwd
+    )
+
+
+@pytest.fixture(scope="module")
+def quick(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fig16")
+    done = command("--quick", "--out", folder)
+    assert done.returncode == 0, done.stderr
+    with xr.open_dataset(folder / "fig16.nc") as ds:
+        yield folder, done.stdout, ds.load()
+
+
+def test_quick_run_writes_dataset_and_pictures_and_says_so(quick):
+    folder, said, _ = quick
+    names = ["fig16.nc", "fig16.pdf", "fig16.png", "fig16_sensitivity.pdf", "fig16_sensitivity.png"]
+    assert sorted(path.name for path in folder.iterdir()) == names
+    assert all(name in said for name in names)
+    for method in ("Method 1", "Method 2", "DEM"):
+        assert any(line.startswith(method) and line.endswith(" s") for line in said.splitlines())
+
+
+def test_dataset_has_dims_units_and_origin(quick):
+    _, _, ds = quick
+    assert ds.overturning_amplitude.dims == ("method", "block", "frequency")
+    assert ds.mode_fraction.dims == ("method", "block", "frequency", "mode")
+    assert ds.overturning_amplitude.attrs["units"] == "m s-2"
+    assert list(ds.block.values) == [1, 3, 7]
+    assert ds.b.values == pytest.approx([0.30, 0.15, 0.10])
+    assert all("long_name" in variable.attrs for variable in ds.variables.values())
+    numeric = [v for v in ds.data_vars.values() if v.dtype.kind == "f"]
+    assert all("units" in v.attrs for v in numeric)
+    for name in ("commit", "source", "command", "settings", "friction_choice", "damping_choice", "ramp_choice"):
+        assert ds.attrs[name]
+
+
+def test_every_gap_has_a_reason_and_every_amplitude_none(quick):
+    _, _, ds = quick
+    fell = ds.note == "overturned"
+    assert (ds.overturning_amplitude.notnull() == fell).all()
+    assert (ds.note != "").all()
+
+
+def test_shares_of_time_sum_to_one(quick):
+    _, _, ds = quick
+    assert ds.mode_fraction.sum("mode").where(ds.overturning_amplitude.notnull()).values == pytest.approx(
+        np.ones(ds.overturning_amplitude.shape), nan_ok=True
+    )
+
+
+def test_no_method_overturns_below_west(quick):
+    # Eq. (1) of the paper: rocking cannot begin before the acceleration passes (b/h) g.
+    _, _, ds = quick
+    assert (ds.overturning_amplitude > ds.b / ds.h * 9.80665).all()
+
+
+def test_figures_draw_what_is_in_the_file(quick):
+    _, _, ds = quick
+    fig = figure(ds)
+    drawn = fig.axes[1].get_lines()[2].get_ydata()
+    assert drawn == pytest.approx(ds.overturning_amplitude.sel({"method": "dem", "block": 3}).values / 9.80665)
+    assert "Frequency" in fig.axes[-1].get_xlabel()
+    assert len(sensitivity_figure(ds).axes) == 12
+
+
+def test_check_counts_what_it_says(quick):
+    """Each number recomputed from a table made by hand."""
+    frequency = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
+    curves = np.stack([2.0 * frequency, np.full(5, 4.0), np.full(5, 2.0)])[:, None, :]
+    fractions = np.zeros((3, 1, 5, 6))
+    fractions[..., 0], fractions[..., 3], fractions[..., 2] = 0.5, 0.3, 0.2
+    ds = xr.Dataset(
+        {
+            "overturning_amplitude": (("method", "block", "frequency"), curves),
+            "overturning_time": (("method", "block", "frequency"), curves / 0.1),
+            "mode_fraction": (("method", "block", "frequency", "mode"), fractions),
+        },
+        coords={
+            "method": ["method1", "method2", "dem"],
+            "block": [3],
+            "frequency": frequency,
+            "mode": quick[2].mode.values,
+            "b": ("block", [0.15]),
+            "h": ("block", [0.50]),
+        },
+    )
+    found = check(ds)
+    numbers = dict(zip(found.statement.values, found.statement_number.values, strict=True))
+    by_hand = {
+        "Method 1 grows almost linearly with frequency": 1.0,
+        # |log(4/2)| over the mean of |log(8/2)| and |log(10/2)| at 4 and 5 Hz.
+        "Method 2 and DEM are alike and far from Method 1 beyond 3 Hz": np.log(2) / np.log([4, 5]).mean(),
+        "Method 2 and DEM differ most beyond 3 Hz": 1.0,
+        "Method 2: from 3 Hz on the motion is mostly sliding rotation": 0.6,
+        "DEM: from 3 Hz on the motion is mostly sliding rotation": 0.6,
+        # The ramp grows by 0.1 m/s^2 a second; at 1 Hz Method 2 falls at 4 m/s^2, West's threshold is 2.942.
+        "At the lowest frequency blocks overturn as rocking would begin": (4.0 - 0.3 * 9.80665) / 0.1,
+    }
+    assert numbers == pytest.approx(by_hand, rel=1e-9)
+    assert found.statement_holds.values.tolist() == [1, 0, 0, 1, 1, 0]
+
+
+def test_same_plan_gives_the_same_numbers(quick):
+    _, _, ds = quick
+    arguments = fig16._parser().parse_args(["--quick", "--no-sensitivity", "--methods", "method2", "dem"])
+    again = fig16.dataset(fig16.plan_of(arguments))
+    assert np.array_equal(again.overturning_amplitude, ds.overturning_amplitude.sel({"method": ["method2", "dem"]}))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--blocks", "9"], "--blocks 9: want one of 1, 2, 3, 4, 5, 6, 7"),
+        (["--blocks", "one"], "--blocks one: want one of 1, 2, 3, 4, 5, 6, 7"),
+        (["--methods", "method3"], "--methods method3: want one of method1, method2, dem"),
+        (["--solver", "euler"], "--solver euler: want one of numba, scipy"),
+        (["--friction", "-0.1"], "--friction -0.1: want a number of 0 or more"),
+        (["--friction", "nan"], "--friction nan: want a number of 0 or more"),
+        (["--friction", "1.5"], "--friction 1.5: want below 4/3 with Method 2 (a corner may jam)"),
+        (["--restitution", "1.1"], "--restitution 1.1: want 0 to 1"),
+        (["--restitution", "nan"], "--restitution nan: want 0 to 1"),
+        (["--ramp", "0"], "--ramp 0: want a number above 0"),
+        (["--ramp", "inf"], "--ramp inf: want a number above 0"),
+    ],
+)
+def test_bad_option_is_one_sentence_before_any_work(arguments, sentence, tmp_path, capsys):
+    with pytest.raises(fig16._run.BadInputError) as refusal:
+        fig16.main([*arguments, "--out", str(tmp_path / "out")])
+    assert str(refusal.value) == sentence
+    assert not (tmp_path / "out").exists()
+
+
+def test_bad_option_exits_with_status_2_and_no_traceback(tmp_path):
+    done = command("--blocks", "9", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "error: --blocks 9: want one of 1, 2, 3, 4, 5, 6, 7\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_out_that_is_a_file_is_refused_before_any_work(tmp_path):
+    (tmp_path / "file").write_text("mine")
+    done = command("--out", tmp_path / "file" / "deeper")
+    assert done.returncode == 2
+    assert (
+        done.stderr
+        == f"error: --out {tmp_path / 'file' / 'deeper'}: want a folder that can be written to (Not a directory)\n"
+    )
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+def test_help_says_what_it_is_for_and_names_every_option():
+    said = command("--help").stdout
+    for word in (
+        "Winkler",
+        "--methods",
+        "--solver",
+        "--blocks",
+        "--friction",
+        "--restitution",
+        "--ramp",
+        "--quick",
+        "--out",
+    ):
+        assert word in said
+
+
+def test_run_that_does_not_overturn_is_named(tmp_path):
+    done = command(
+        "--quick", "--no-sensitivity", "--methods", "method1", "--blocks", "1", "--ramp", "0.2", "--out", tmp_path
+    )
+    assert done.returncode == 0, done.stderr
+    assert "no amplitude: Method 1, Block 1, 1 Hz: standing at the end of the ramp, 1.961 m/s^2 (0.2 g)" in done.stdout

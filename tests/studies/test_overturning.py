@@ -1,0 +1,66 @@
+"""The criterion of overturning, one run at a time."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rocking import Method1, solve
+from studies.overturning import METHODS, Settings, overturning
+from studies.specimens import specimen
+
+SETTINGS = Settings(damping=42800.0, dt=1e-5)
+
+
+def test_criterion_is_the_envelope_at_the_last_passage_of_theta_c():
+    """Read off a finely sampled history, without the located events."""
+    block = specimen(3)
+    found = overturning("method1", block, 2.0, SETTINGS)
+    motion = SETTINGS.motion(2.0)
+    t = np.arange(0.0, 10.0, 1e-4)
+    run = solve(Method1(block, form="linear"), motion, t_end=10.0, save_at=t)
+    outside = np.abs(run.theta) >= block.alpha
+    last = run.t[1:][outside[1:] & ~outside[:-1]][-1]
+    assert found.time == pytest.approx(last, abs=1e-4)
+    assert found.amplitude == pytest.approx(SETTINGS.ramp * last / SETTINGS.duration, rel=1e-4)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_shares_of_time_sum_to_one(method):
+    found = overturning(method, specimen(3), 3.0, SETTINGS)
+    assert found.note == "overturned"
+    assert found.mode_fraction.sum() == pytest.approx(1.0, abs=1e-9)
+    assert np.all(found.mode_fraction >= 0.0)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_ramp_below_west_leaves_the_block_standing(method):
+    # West, eq. (1) of the paper: nothing moves below (b/h) g = 0.3 g.
+    found = overturning(method, specimen(3), 2.0, replace(SETTINGS, ramp=0.29 * 9.80665, duration=10.0))
+    assert math.isnan(found.amplitude)
+    assert found.note.startswith("standing at the end of the ramp, 2.844 m/s^2 (0.29 g)")
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_slow_ramp_at_low_frequency_overturns_near_west_and_never_below(method):
+    # West's formula, eq. (1), is a lower bound; at 1 Hz Block 3 falls within a small multiple of it.
+    west = 0.3 * 9.80665
+    found = overturning(method, specimen(3), 1.0, replace(SETTINGS, ramp=8.0, duration=40.0))
+    assert west <= found.amplitude <= 2.0 * west
+
+
+def test_settings_that_a_method_cannot_have_are_declined_with_the_reason():
+    # Housner's restitution of Block 7 is 0.942: a smaller one needs a corner that pulls.
+    found = overturning("method2", specimen(7), 3.0, replace(SETTINGS, restitution=0.9))
+    assert math.isnan(found.amplitude)
+    assert found.note.startswith("declined: restitution=0.9: want 0.942308")
+    no_dashpot = overturning("dem", specimen(7), 3.0, replace(SETTINGS, damping=math.nan))
+    assert no_dashpot.note == "declined: no dashpot gives this restitution in a free vibration"
+
+
+def test_solvers_give_the_same_criterion():
+    settings = replace(SETTINGS, ramp=50.0, duration=20.0)
+    fast = overturning("method1", specimen(3), 2.0, settings)
+    reference = overturning("method1", specimen(3), 2.0, replace(settings, solver="scipy"))
+    assert fast.amplitude == pytest.approx(reference.amplitude, rel=1e-6)
