@@ -9,7 +9,7 @@ from __future__ import annotations
 import enum
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -81,6 +81,7 @@ class History:
     """Motion of the centroid relative to the base and what became of the block.
 
     time [s], x, z [m], theta [rad], omega [rad/s]: shape (time,); the last state is always among them
+    mode_clock: time spent in each `Mode` until the sample [s], shape (time, mode)
     outcome, side: how it ended; side +1 (fell to +x) or -1, 0 where it did not fall
     end_time: last time reached [s]
     overturning_time: last time at which |theta| passed its balance outwards before the fall [s]; 0 where the run
@@ -96,6 +97,7 @@ class History:
     theta: FloatArray
     omega: FloatArray
     energies: Energies
+    mode_clock: FloatArray
     outcome: Outcome
     side: int
     end_time: float
@@ -116,13 +118,18 @@ class History:
         """Dataset with dims `time` and `mode`, SI `units` and `long_name`; outcome and settings as attributes."""
         import xarray as xr  # slow to import, and not needed for a run
 
-        variables = {
+        variables: dict[str, Any] = {
             name: ("time", getattr(self, name), {"units": unit, "long_name": text})
             for name, (unit, text) in _MOTION.items()
         }
         for field in fields(Energies):
             text = {"long_name": f"energy: {field.name.replace('_', ' ')}", "units": "J"}
             variables[f"energy_{field.name}"] = ("time", getattr(self.energies, field.name), text)
+        variables["mode_clock"] = (
+            ("time", "mode"),
+            self.mode_clock,
+            {"units": "s", "long_name": "time in mode so far"},
+        )
         for name, until in (("mode_seconds", "the end"), ("mode_seconds_to_overturning", "overturning")):
             variables[name] = ("mode", getattr(self, name), {"units": "s", "long_name": f"time in mode until {until}"})
         coordinates = {

@@ -36,7 +36,7 @@ X, Z, THETA, VX, VZ, OMEGA, LAST_X, LAST_Z, LAST_COS, LAST_SIN, LAST_AX, LAST_AZ
 W_DASHPOT, W_FRICTION, W_ONSET, W_BASE, CROSSED_AT = 12, 13, 14, 15, 16
 STATE_SIZE = 17
 STEP, UNTIL_SAVE, SAVED, LAST_MODE = range(4)
-COLUMNS = 12  # columns of a saved row: t, x, z, theta, omega, then the seven energies
+COLUMNS = 18  # columns of a saved row: t, x, z, theta, omega, then the seven energies and the seconds in each mode
 
 
 class Body(NamedTuple):
@@ -194,7 +194,7 @@ def share_to_balance(theta: float, after: float, body: Body) -> float:
 
 
 @numba.njit
-def save(row, t, pose, theta, before, after, kept, ledger, body, law):
+def save(row, t, pose, theta, before, after, kept, ledger, seconds, body, law):
     """One row of the history at the time of the positions."""
     elastic = 0.0
     for i in range(kept.shape[0]):
@@ -207,6 +207,7 @@ def save(row, t, pose, theta, before, after, kept, ledger, body, law):
     row[6] = body.mass * body.g * pose.z
     row[7] = elastic
     row[8], row[9], row[10], row[11] = ledger
+    row[12:] = seconds
 
 
 def _advance(a_x, a_z, body, law, clock, corners, kept, state, counts, seconds, at_crossing, rows):
@@ -247,7 +248,7 @@ def _advance(a_x, a_z, body, law, clock, corners, kept, state, counts, seconds, 
         until_save -= 1
         if until_save == 0 or ending != RUNNING:
             ledger = (dashpot, friction, onset, base)
-            save(rows[saved], step * dt, pose, theta, before, rate, kept, ledger, body, law)
+            save(rows[saved], step * dt, pose, theta, before, rate, kept, ledger, seconds, body, law)
             saved += 1
             until_save = clock.save_every
         if ending != RUNNING:

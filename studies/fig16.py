@@ -136,7 +136,8 @@ def _compute(plan: Plan) -> tuple[dict[Job, Criterion], dict[str, float]]:
 def _variables(plan: Plan, results: dict[Job, Criterion]) -> dict[str, Any]:
     shape = (len(plan.methods), len(plan.blocks), len(plan.frequencies))
     amplitude, when = np.full(shape, math.nan), np.full(shape, math.nan)
-    fractions, notes = np.full((*shape, len(Mode)), math.nan), np.full(shape, "", dtype=object)
+    fractions = np.full((2, *shape, len(Mode)), math.nan)
+    notes = np.full(shape, "", dtype=object)
     varied_shape = (len(plan.variations), shape[0], shape[2])
     varied = np.full(varied_shape, math.nan)
     varied_notes = np.full(varied_shape, "not a parameter of this method", dtype=object)
@@ -147,9 +148,8 @@ def _variables(plan: Plan, results: dict[Job, Criterion]) -> dict[str, Any]:
             varied_notes[job.variation, m, f] = found.note
             continue
         at = (m, plan.blocks.index(job.block), f)
-        amplitude[at], when[at], fractions[at], notes[at] = (
-            found.amplitude, found.time, found.mode_fraction, found.note,
-        )  # fmt: skip
+        amplitude[at], when[at], notes[at] = found.amplitude, found.time, found.note
+        fractions[0][at], fractions[1][at] = found.mode_fraction, found.mode_fraction_late
     dims = ("method", "block", "frequency")
     reference = "Winkler, Meguro & Yamazaki (1995), Fig. 16"
     variables = {
@@ -162,9 +162,16 @@ def _variables(plan: Plan, results: dict[Job, Criterion]) -> dict[str, Any]:
         ),
         "overturning_time": (dims, when, {"units": "s", "long_name": "time of overturning", "reference": reference}),
         "mode_fraction": (
-            (*dims, "mode"), fractions,
+            (*dims, "mode"), fractions[0],
             {
                 "units": "1", "long_name": "share of the time until overturning",
+                "reference": "six modes of Ishiyama (1982)",
+            },
+        ),
+        "mode_fraction_late": (
+            (*dims, "mode"), fractions[1],
+            {
+                "units": "1", "long_name": "share of the second half of the time until overturning",
                 "reference": "six modes of Ishiyama (1982)",
             },
         ),

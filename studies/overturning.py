@@ -9,7 +9,7 @@ Source   Winkler, Meguro & Yamazaki (1995), "Criteria of overturning for single 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -65,15 +65,21 @@ class Criterion:
     amplitude: float  # envelope at overturning [m/s^2]
     time: float  # of overturning [s]
     mode_fraction: NDArray[np.float64]  # share of the time until overturning in each mode, shape (6,)
+    mode_fraction_late: NDArray[np.float64]  # the same for the second half of that time
     note: str  # "overturned", or why there is no amplitude
 
 
 def _no_criterion(note: str) -> Criterion:
-    return Criterion(math.nan, math.nan, np.full(len(Mode), math.nan), note)
+    unknown = np.full(len(Mode), math.nan)
+    return Criterion(math.nan, math.nan, unknown, unknown, note)
 
 
-def _criterion(motion: RampedSinusoid, time: float, spent: NDArray[np.float64]) -> Criterion:
-    return Criterion(float(motion.envelope(time)), time, spent / spent.sum(), "overturned")
+def _criterion(
+    motion: RampedSinusoid, time: float, spent: NDArray[np.float64], spent_early: NDArray[np.float64]
+) -> Criterion:
+    """From the time [s] in each mode until overturning, and that until half of it."""
+    late = spent - spent_early
+    return Criterion(float(motion.envelope(time)), time, spent / spent.sum(), late / late.sum(), "overturned")
 
 
 def _standing(settings: Settings) -> Criterion:
@@ -114,7 +120,8 @@ def _analytic(method: str, block: Block, frequency: float, settings: Settings) -
         return _no_criterion(f"failed: {run.reason}")
     if not run.overturned:
         return _standing(settings)
-    return _criterion(motion, run.overturning_time, run.mode_durations(run.overturning_time))
+    fell = run.overturning_time
+    return _criterion(motion, fell, run.mode_durations(fell), run.mode_durations(0.5 * fell))
 
 
 def _distinct_element(block: Block, frequency: float, settings: Settings) -> Criterion:
@@ -128,9 +135,13 @@ def _distinct_element(block: Block, frequency: float, settings: Settings) -> Cri
         )  # fmt: skip
     except ValueError as refusal:
         return _no_criterion(f"declined: {refusal}")
+    if run.outcome is dem.Outcome.UNSTABLE:
+        return _no_criterion(f"failed: at {run.end_time:.6g} s {run.outcome.value}")
     if run.side == 0:
         return _standing(settings)
-    return _criterion(motion, run.overturning_time, run.mode_seconds_to_overturning)
+    fell = run.overturning_time
+    early = np.array([np.interp(0.5 * fell, run.time, clock) for clock in run.mode_clock.T])
+    return _criterion(motion, fell, run.mode_seconds_to_overturning, early)
 
 
 def overturning(method: str, block: Block, frequency: float, settings: Settings) -> Criterion:
@@ -138,8 +149,3 @@ def overturning(method: str, block: Block, frequency: float, settings: Settings)
     if method == "dem":
         return _distinct_element(block, frequency, settings)
     return _analytic(method, block, frequency, settings)
-
-
-def varied(settings: Settings, **changes: object) -> Settings:
-    """The settings with some changed."""
-    return replace(settings, **changes)  # type: ignore[arg-type]

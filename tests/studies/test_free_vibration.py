@@ -1,10 +1,13 @@
 """The dashpot of the distinct elements, fitted to a free vibration."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
+import dem
 from rocking import Method1, solve
-from studies.free_vibration import RELEASE, fit_dashpot, swing_restitution
+from studies.free_vibration import FRICTION, RELEASE, fit_dashpot, scene_of, swing_restitution
 from studies.overturning import STIFFNESS
 from studies.specimens import specimen
 
@@ -18,21 +21,25 @@ def test_fitted_dashpot_has_the_restitution_asked_for(restitution):
     assert swing_restitution(specimen(1), fit.damping, **CONTACT) == pytest.approx(restitution, abs=2e-4)
 
 
-def test_fitted_block_swings_like_method_1_with_that_restitution():
-    """The peaks of a free vibration, which the fit reads as energies, against those of nonlinear Method 1."""
-    import dem
-    from studies.free_vibration import FRICTION, scene_of
+def peaks(theta):
+    """Largest |theta| between one passage through upright and the next."""
+    upright = np.flatnonzero(np.diff(np.sign(theta)) != 0)
+    return np.array([np.abs(theta[a:b]).max() for a, b in pairwise(upright)])
 
+
+def test_every_swing_of_the_fitted_block_is_that_of_method_1():
+    """The fit sets the mean over the swings; each swing by itself against nonlinear Method 1."""
     block, restitution = specimen(1), 0.90
     theta = RELEASE * block.alpha
     fit = fit_dashpot(block, restitution, **CONTACT)
-    run = solve(Method1(block, restitution=restitution), theta=theta, t_end=1.6, save_at=np.linspace(0, 1.6, 3201))
+    t = np.arange(0.0, 2.0, 5e-4)
+    run = solve(Method1(block, restitution=restitution), theta=theta, t_end=2.0, save_at=t)
     elements = dem.simulate(
-        scene_of(block), t_end=1.6, dt=1e-5, mu=FRICTION, damping=fit.damping, theta0=theta, save_every=50
+        scene_of(block), t_end=2.0, dt=1e-5, mu=FRICTION, damping=fit.damping, theta0=theta, save_every=50
     )
-    # A floor that gives shortens no swing of the rigid block by more than its own compression takes; the tilt at
-    # the end of two swings agrees to 2 % of the release.
-    assert np.interp(run.t, elements.time, elements.theta) == pytest.approx(run.theta, abs=0.02 * theta)
+    # A restitution that depends on speed by 0.001 about its mean moves a peak by twice that share: half a per cent
+    # over the four swings leaves room for it and for the weight pressed into the springs, none for another law.
+    assert peaks(elements.theta)[:4] == pytest.approx(peaks(run.theta)[:4], rel=5e-3)
 
 
 def test_more_damping_loses_more():

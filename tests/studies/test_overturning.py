@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rocking import Method1, solve
+from rocking import Method1, Method2, solve
 from studies.overturning import METHODS, Settings, overturning
 from studies.specimens import specimen
 
@@ -30,8 +30,18 @@ def test_criterion_is_the_envelope_at_the_last_passage_of_theta_c():
 def test_shares_of_time_sum_to_one(method):
     found = overturning(method, specimen(3), 3.0, SETTINGS)
     assert found.note == "overturned"
-    assert found.mode_fraction.sum() == pytest.approx(1.0, abs=1e-9)
-    assert np.all(found.mode_fraction >= 0.0)
+    for fraction in (found.mode_fraction, found.mode_fraction_late):
+        assert fraction.sum() == pytest.approx(1.0, abs=1e-9)
+        assert np.all(fraction >= 0.0)
+
+
+def test_late_share_is_read_over_the_second_half_of_the_time():
+    """Method 2 off a finely sampled history of modes; sampling at 1 ms moves a share by less than 2 %."""
+    found = overturning("method2", specimen(3), 3.0, SETTINGS)
+    t = np.arange(0.5 * found.time, found.time, 1e-3)
+    run = solve(Method2(specimen(3), friction=0.7), SETTINGS.motion(3.0), t_end=SETTINGS.duration, save_at=t)
+    sampled = np.bincount(run.mode, minlength=6) / t.size
+    assert found.mode_fraction_late == pytest.approx(sampled, abs=0.02)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -60,7 +70,7 @@ def test_settings_that_a_method_cannot_have_are_declined_with_the_reason():
 
 
 def test_solvers_give_the_same_criterion():
-    settings = replace(SETTINGS, ramp=50.0, duration=20.0)
-    fast = overturning("method1", specimen(3), 2.0, settings)
-    reference = overturning("method1", specimen(3), 2.0, replace(settings, solver="scipy"))
+    # At 1 Hz the block falls after few impacts; where it rocks for long, the last digit decides (chaos).
+    fast = overturning("method1", specimen(3), 1.0, SETTINGS)
+    reference = overturning("method1", specimen(3), 1.0, replace(SETTINGS, solver="scipy"))
     assert fast.amplitude == pytest.approx(reference.amplitude, rel=1e-6)
