@@ -64,13 +64,18 @@ def one_of(option: str, values: list[Any], known: tuple[Any, ...]) -> list[Any]:
 
 def _commit() -> str:
     """Commit of the sources if they lie in a git checkout, marked "+" if they were changed since."""
-    folder = Path(__file__).resolve().parent
-    describe = ["git", "-C", str(folder), "describe", "--always", "--dirty=+", "--abbrev=12"]
+    here = Path(__file__).resolve()
+
+    def git(*arguments: str) -> str:
+        command = ["git", "-C", str(here.parent), *arguments]
+        return subprocess.run(command, capture_output=True, text=True, timeout=10, check=True).stdout.strip()
+
     try:
-        found = subprocess.run(describe, capture_output=True, text=True, timeout=10, check=True)
+        # Installed into an environment that lies in somebody else's checkout, this file is not tracked there.
+        git("ls-files", "--error-unmatch", here.name)
+        return git("describe", "--always", "--dirty=+", "--abbrev=12")
     except (OSError, subprocess.SubprocessError):
         return "unknown"
-    return found.stdout.strip()
 
 
 def provenance(title: str, command: str) -> dict[str, str]:

@@ -379,6 +379,8 @@ def _report(ds: xr.Dataset) -> None:
         row = ds.isel(statement=i)
         verdict = {1: "holds", 0: "does not hold", -1: "not decided"}[int(row.statement_holds)]
         print(f"{verdict}: {row.statement.item()} [{row.statement_number.item():.3g}; {row.statement_bound.item()}]")
+        if row.statement_detail.item():
+            print(f"    {row.statement_detail.item()}")
 
 
 def main(argv: list[str]) -> None:

@@ -48,6 +48,10 @@ class Solver(Protocol):
         """The trajectory from t_span[0] to the fall or t_span[1]."""
 
 
+_loaded: dict[str, Solver] = {}
+"""Solvers already in use: looking through the installed packages takes longer than a run."""
+
+
 def _installed() -> dict[str, EntryPoint]:
     return {point.name: point for point in entry_points(group=GROUP)}
 
@@ -64,6 +68,8 @@ def load(name: str) -> Solver:
         ValueError: no solver of that name is installed.
         ImportError: the plugin is there and does not load; it says which.
     """
+    if name in _loaded:
+        return _loaded[name]
     points = _installed()
     if name not in points:
         raise ValueError(f"solver={name!r}: want one of {', '.join(sorted(points))}")
@@ -71,4 +77,5 @@ def load(name: str) -> Solver:
         solver: Any = points[name].load()
     except Exception as error:
         raise ImportError(f"solver {name!r} ({points[name].value}) does not load: {error}") from error
-    return solver()
+    _loaded[name] = solver()
+    return _loaded[name]
