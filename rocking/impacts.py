@@ -8,7 +8,8 @@ velocity u and the normal velocity v < 0.  An impulse (P_x, P_z) there changes t
 
 Laws     `frictional` (default): Chatterjee & Ruina (1998): normal restitution e_n exactly, tangential e_t within
          the friction cone; energy never grows.  `kinematic`: v -> -e_n v and u -> -e_t u, whatever friction would
-         allow.  `two_corner`: plastic, with a share of the impulse at the corner that carried; rocking impacts only.
+         allow.  `two_corner`: plastic, with a share of the impulse at the corner that carried; for rocking
+         impacts of a block that does not slide (where it slides, that law could create energy), else `frictional`.
 Source   Chatterjee & Ruina (1998), J. Appl. Mech. 65, 939-951, for the one-corner law; own derivation for the rest.
 Status   Ishiyama (1982) introduced a normal and a tangential coefficient; whether he limited the tangential impulse by
          friction is not known to us, hence the law is a named choice.
@@ -54,13 +55,11 @@ def after_impulse(
     return u + P_x + r_z * spin, v + P_z - r_x * spin, omega + spin
 
 
-def two_corner_impact(
-    xp: Any, s: Any, u: Any, v_new: Any, omega: Any, b: Any, h: Any, rho2: Any, mu: Any, share: Any
-) -> tuple[Any, Any]:
-    """(u, omega) after a rocking impact that both corners of an upright block share.
+def two_corner_impact(s: Any, v_new: Any, omega: Any, b: Any, h: Any, rho2: Any, share: Any) -> Any:
+    """Angular velocity after a rocking impact that both corners of an upright block share.
 
-    Corner s carried and takes `share` of the normal impulse; the other lands with v_new < 0 and stays down.
-    The tangential velocity u, common to both, is brought to zero as far as friction reaches.
+    Corner s carried without slip and takes `share` of the normal impulse; the other lands with v_new < 0, stays down
+    and sticks.
     """
     r_z = -0.5 * h
     r_new = -s * 0.5 * b
@@ -71,14 +70,8 @@ def two_corner_impact(
     B_zx = -r_new * r_z / rho2
     B_zz = 1.0 + r_new * r_eff / rho2
     det = B_xx * B_zz - B_xz * B_zx
-    P_x = -(B_zz * u - B_xz * v_new) / det
-    P_z = -(B_xx * v_new - B_zx * u) / det
-    slips = xp.abs(P_x) > mu * P_z
-    ratio = xp.where(slips, xp.where(P_x > 0.0, mu, -mu), 0.0)
-    P_z = xp.where(slips, -v_new / (B_zz + ratio * B_zx), P_z)
-    P_x = xp.where(slips, ratio * P_z, P_x)
-    spin = (r_z * P_x - r_eff * P_z) / rho2
-    return xp.where(slips, u + P_x + r_z * spin, 0.0), omega + spin
+    P_x, P_z = B_xz * v_new / det, -B_xx * v_new / det
+    return omega + (r_z * P_x - r_eff * P_z) / rho2
 
 
 def flat_impact(

@@ -133,19 +133,21 @@ def corner_landing(
 
     P_x, P_z = corner_impulse(xp, r_x, r_z, u, v, par.rho2, par.mu_k, 0.0, par.e_t, kinematic)
     u_down, _, omega_down = after_impulse(r_x, r_z, u, v, omega, P_x, P_z, par.rho2)
-    shared = rocks & (par.law == TWO_CORNER)
-    u_two, omega_two = two_corner_impact(xp, -s, u, v, omega, par.b, par.h, par.rho2, par.mu_k, par.share)
-    u_down = xp.where(shared, u_two, u_down)
+    shared = rocks & (par.law == TWO_CORNER) & (u == 0.0)
+    omega_two = two_corner_impact(-s, v, omega, par.b, par.h, par.rho2, par.share)
+    u_down = xp.where(shared, 0.0, u_down)
     omega_down = xp.where(shared, omega_two, omega_down)
     u_down = xp.where(xp.abs(u_down) <= SNAP * (xp.abs(u) + xp.abs(v)), 0.0, u_down)
 
     stays = shared | (par.e_n == 0.0) | ends
     last = rocks & (xp.abs(omega_down) < par.omega_rest)
-    u_down = xp.where(last & (xp.abs(u_down) < par.omega_rest * par.h), 0.0, u_down)
+    # Brought upright without an impulse along the floor, the block moves on as its centre of mass did.
+    u_flat = u_down + 0.5 * par.h * omega_down
+    u_flat = xp.where(xp.abs(u_flat) < par.omega_rest * par.h, 0.0, u_flat)
     down = choose(
         xp,
         last,
-        upright(xp, u_down, base, par, 0.0, 0.0),
+        upright(xp, u_flat, base, par, 0.0, 0.0),
         carried(xp, s, theta, u_down, omega_down, base, par, 0.0),
     )
     up = Touch(s, theta, u_up, v_up, omega_up, ROTATION_JUMP, 1.0)
@@ -172,7 +174,9 @@ def flat_landing(xp: Any, s: Any, u: Any, v: Any, omega: Any, base: Base, par: P
     bouncing = Touch(lower, 0.0, u_1, v_lower, omega_1, mode, 1.0)
     rolling = carried(xp, lower, 0.0, u_1, omega_1, base, par, 0.0)
     after = choose(xp, stays & (omega_1 != 0.0), rolling, bouncing)
-    after = choose(xp, ends | (par.e_n == 0.0), upright(xp, u_1, base, par, 0.0, 0.0), after)
+    u_0, _, _, _, _ = flat_impact(xp, u, v + omega * r_x, omega, par.b, par.h, par.rho2, par.mu_k, 0.0, par.e_t)
+    u_0 = xp.where(xp.abs(u_0) <= SNAP * (xp.abs(u) + xp.abs(v)), 0.0, u_0)
+    after = choose(xp, ends | (par.e_n == 0.0), upright(xp, u_0, base, par, 0.0, 0.0), after)
     return choose(xp, (P_plus < 0.0) | (P_minus < 0.0), tripping, after)
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import builtins
-from math import cos, sin
+from math import cos, exp, floor, sin, sqrt
 from typing import Any
 
-__all__ = ["abs", "cos", "sin", "where"]
+__all__ = ["abs", "cos", "exp", "floor", "maximum", "minimum", "sin", "sqrt", "where"]
 
 abs = builtins.abs
+minimum = builtins.min
+maximum = builtins.max
 
 
 def where(condition: Any, yes: Any, no: Any) -> Any:

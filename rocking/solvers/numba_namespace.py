@@ -6,13 +6,15 @@ A scalar `where` as a branch: numpy's own builds arrays and costs two hundred ti
 from __future__ import annotations
 
 import builtins
-from math import cos, sin
+from math import cos, exp, floor, sin, sqrt
 
 import numba
 
-__all__ = ["abs", "cos", "sin", "where"]
+__all__ = ["abs", "cos", "exp", "floor", "maximum", "minimum", "sin", "sqrt", "where"]
 
 abs = builtins.abs
+minimum = builtins.min
+maximum = builtins.max
 
 
 @numba.njit(error_model="numpy")
