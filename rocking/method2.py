@@ -186,7 +186,8 @@ class Method2:
 
         Args:
             theta, omega: rotation [rad] and angular velocity [rad/s].
-            u, v: horizontal and vertical velocity [m/s] of the carrying corner (that which leans, else the +x one).
+            u, v: horizontal and vertical velocity [m/s] of the carrying corner: that to which the block leans, else
+                turns, else slides.
             x: position [m] of the middle of the base when upright; the lower corner's is x +- b/2.
             z: height [m] of the lower corner over the floor, 0 or more.
 
@@ -195,7 +196,8 @@ class Method2:
         """
         within("z", z, 0.0, math.inf)
         leans = theta if theta != 0.0 else omega
-        s = -1.0 if leans < 0.0 else 1.0
+        # An upright block that slides carries, once it trips, on the corner that leads.
+        s = -1.0 if (leans if leans != 0.0 else u) < 0.0 else 1.0
         y = (x + s * 0.5 * self.block.b, float(z), float(theta), float(u), float(v), float(omega))
         return y, Discrete(self._initial_mode(y, leans), s, -1.0 if u < 0.0 else 1.0)
 

@@ -193,10 +193,12 @@ def impact(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters, k: Any) ->
     v = y[4] + other * omega * span_x
     v = xp.where(v < 0.0, v, 0.0)
     one = corner_landing(xp, s, theta, u, v, omega, base, par, rocks)
-    # Height and velocity of the corner that did not land: does the impact drive it into the floor?
+    # The corner that did not land takes part if it is as low and comes down too, or if it stood there and is driven
+    # down.  If it was on its way up and is driven down, its own landing follows at once.
     height = s * par.b * xp.sin(theta)
-    v_other = one.v + one.omega * s * par.b * xp.cos(theta)
-    both = (height <= FLAT * par.b) & (v_other < 0.0)
+    comes_down = v + omega * s * par.b * xp.cos(theta) < 0.0
+    driven_down = one.v + one.omega * s * par.b * xp.cos(theta) < 0.0
+    both = (height <= FLAT * par.b) & xp.where(rocks, driven_down, comes_down)
     after = choose(xp, both, flat_landing(xp, s, u, v, omega, base, par, rocks), one)
     return after, x + 0.5 * par.b * (after.s - s)
 

@@ -48,7 +48,7 @@ def guard_at(guards, motion, kg, x, t, h, y, q, par, mpar, low, high, k, out):
 def locate(guards, motion, kg, a, b, just_left, t, h, y, q, par, mpar, low, high, k, out):
     """Share of the step in (a, b] at which guard kg falls through zero, on the dense output (Illinois method).
 
-    just_left: the guard is zero at a because the mode began there, and counts as positive.
+    just_left: the guard is zero at a, where the mode began, and counts as positive an instant later.
     """
     f_a = 1.0 if just_left else guard_at(guards, motion, kg, a, t, h, y, q, par, mpar, low, high, k, out)
     f_b = guard_at(guards, motion, kg, b, t, h, y, q, par, mpar, low, high, k, out)
@@ -74,7 +74,7 @@ def locate(guards, motion, kg, a, b, just_left, t, h, y, q, par, mpar, low, high
 
 
 @numba.njit(error_model="numpy")
-def first_event(guards, motion, n_guards, fresh, t, h, y, y_new, q, par, mpar, low, high, k, out):
+def first_event(guards, motion, n_guards, t, h, y, y_new, q, par, mpar, low, high, k, out):
     """(guard, share of the step) of the first guard to fall below zero within the step; guard -1 if none does."""
     before = guards(y, q, base_at(motion, t, low, high, mpar), par)
     for check in range(1, CHECKS_PER_STEP + 1):
@@ -87,7 +87,7 @@ def first_event(guards, motion, n_guards, fresh, t, h, y, y_new, q, par, mpar, l
         found, share = -1, 2.0
         for kg in range(n_guards):
             if values[kg] < 0.0:
-                just_left = check == 1 and fresh and before[kg] == 0.0
+                just_left = check == 1 and before[kg] == 0.0
                 x = locate(guards, motion, kg, a, b, just_left, t, h, y, q, par, mpar, low, high, k, out)
                 if x < share:
                     found, share = kg, x
@@ -218,9 +218,7 @@ def integrate(
                         status = STEP_TOO_SMALL
                     continue
                 count[2] += 1
-                kg, share = first_event(
-                    guards, motion, n_guards, last_event == t, t, h, y, y_new, q, par, mpar, low, high, k, out
-                )
+                kg, share = first_event(guards, motion, n_guards, t, h, y, y_new, q, par, mpar, low, high, k, out)
                 y_end[:] = y_new
                 tau = h
                 if kg >= 0:
