@@ -17,6 +17,7 @@ Status   Ishiyama (1982) introduced a normal and a tangential coefficient; wheth
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 
@@ -35,9 +36,12 @@ def corner_impulse(
     d_x, d_z = p_two_x, p_two_z - p_one_z
     P_x = (1.0 + e_t) * d_x
     P_z = (1.0 + e_n) * p_one_z + (1.0 + e_t) * d_z
-    slips = xp.abs(P_x) > mu * P_z
-    slope = xp.abs(d_x) - xp.where(slips, mu, 0.0) * d_z
-    k = xp.where(slips, mu, 0.0) * (1.0 + e_n) * p_one_z / xp.where(slips, slope, 1.0)
+    # Outside the friction cone P goes back along d to its edge; without limit to friction that edge is P_z = 0.
+    rough = mu == math.inf
+    finite_mu = xp.where(rough, 1.0, mu)
+    slips = xp.where(rough, P_z < 0.0, xp.abs(P_x) > finite_mu * P_z)
+    slope = xp.where(rough, -d_z, xp.abs(d_x) - finite_mu * d_z)
+    k = finite_mu * (1.0 + e_n) * p_one_z / xp.where(slips, slope, 1.0)
     P_x = xp.where(slips, k * d_x, P_x)
     P_z = xp.where(slips, (1.0 + e_n) * p_one_z + k * d_z, P_z)
     # The kinematic pair asks for both velocities after the impact and takes whatever impulse that needs.

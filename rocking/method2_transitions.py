@@ -198,7 +198,7 @@ def impact(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters, k: Any) ->
     height = s * par.b * xp.sin(theta)
     comes_down = v + omega * s * par.b * xp.cos(theta) < 0.0
     driven_down = one.v + one.omega * s * par.b * xp.cos(theta) < 0.0
-    both = (height <= FLAT * par.b) & xp.where(rocks, driven_down, comes_down)
+    both = (xp.abs(height) <= FLAT * par.b) & xp.where(rocks, driven_down, comes_down)
     after = choose(xp, both, flat_landing(xp, s, u, v, omega, base, par, rocks), one)
     return after, x + 0.5 * par.b * (after.s - s)
 

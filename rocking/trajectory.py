@@ -67,6 +67,7 @@ class Trajectory:
 
     `t` [s], shape (time,), are the times asked for up to the end of the run; `y`, shape (time, state), the states
     there, named by `system.state_names`; `mode` and `s`, shape (time,), the mode and the carrying corner.
+    `peak_rotation` [rad] is the largest |theta| of the whole run, between the samples too.
     """
 
     system: Any
@@ -83,6 +84,7 @@ class Trajectory:
     outcome: Outcome
     reason: str = ""
     statistics: dict[str, int] = field(default_factory=dict)
+    peak_rotation: float = math.nan
 
     def __repr__(self) -> str:
         note = f", {self.reason}" if self.reason else ""
@@ -181,5 +183,6 @@ class Trajectory:
                 "outcome": self.outcome.value,
                 "reason": self.reason,
                 "overturning_time": self.overturning_time,
+                "peak_rotation": self.peak_rotation,
             },
         )

@@ -60,7 +60,7 @@ def _system_functions(
         for function, arity, signature in zip((flow, guards, jump, balance), (4, 4, 5, 2), signatures, strict=True)
     )
     pointers = [types.FunctionType(signature) for signature in (*signatures, motion)]
-    arguments = (*pointers, row, q, par, row, row, f8, row, row, i8, i8)
+    arguments = (*pointers, row, q, par, row, row, f8, row, row, i8, i8, types.UniTuple(i8, 2))
     label = f"integrate_{parameters.__module__}_{parameters.__qualname__}".replace(".", "_")
     files = make_jitable(flow) | make_jitable(guards) | make_jitable(jump) | make_jitable(balance)
     loop = compiled(_copy(numba_kernel.integrate), arguments, label, files)
@@ -101,7 +101,7 @@ class NumbaEvents:
         functions, loop = _system_functions(
             system.flow, system.guards, system.jump, system.balance, kind, len(y0), len(par), n_guards
         )
-        status, t, last_mode, steps, saved, table = loop(
+        status, t, last_mode, steps, peak, saved, table = loop(
             *functions,
             _motion_function(motion.kernel),
             np.array(y0, dtype=np.float64),
@@ -114,6 +114,7 @@ class NumbaEvents:
             np.ascontiguousarray(save_at, dtype=np.float64),
             max_events,
             n_guards,
+            (system.state_names.index("theta"), system.state_names.index("omega")),
         )
         y, mode, s = saved
         times, codes, carrying, states = table
@@ -130,4 +131,5 @@ class NumbaEvents:
             events,
             max_events,
             {"steps": int(steps)},
+            peak,
         )

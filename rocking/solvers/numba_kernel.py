@@ -135,6 +135,24 @@ def balance_passage(balance, x_end, h, y, y_end, par, k, out):
 
 
 @numba.njit(error_model="numpy")
+def peak_in_step(watched, x_end, h, y, y_end, k, out):
+    """Largest |theta| from the start of the step to its share x_end; watched holds the indices of theta and omega."""
+    i, j = watched[0], watched[1]
+    peak = max(abs(y[i]), abs(y_end[i]))
+    if y[j] * y_end[j] < 0.0:
+        a, b = 0.0, x_end
+        for _ in range(40):
+            x = 0.5 * (a + b)
+            dense(y, h, x, k, out)
+            if out[j] * y[j] > 0.0:
+                a = x
+            else:
+                b = x
+        peak = max(peak, abs(out[i]))
+    return peak
+
+
+@numba.njit(error_model="numpy")
 def record(count, table_t, table_i, table_s, table_y, t, kg, q_before, q, y_before, y):
     """Add a row to the table of events."""
     i = count[1]
@@ -173,8 +191,9 @@ def all_finite(y, base):
 
 
 def integrate(
-    flow, guards, jump, balance, motion, y0, q0, par, mpar, edges, max_step, tolerances, save_at, max_events, n_guards
-):
+    flow, guards, jump, balance, motion, y0, q0, par, mpar, edges, max_step, tolerances, save_at, max_events, n_guards,
+    watched,
+):  # fmt: skip
     """Carry the system over the stretches between `edges`; see `rocking.solvers.numba_events` for what comes back."""
     n = y0.size
     rtol, atol = tolerances[0], tolerances[1]
@@ -185,6 +204,7 @@ def integrate(
     count = np.zeros(4, np.int64)  # samples, events, steps, events in a row without time going on
     y, q = y0.copy(), Discrete(q0.mode, q0.s, q0.slip)
     t, h, last_event, status = edges[0], FIRST_STEP, -np.inf, REACHED_END
+    peak = abs(y[watched[0]])
     while count[0] < save_at.size and save_at[count[0]] <= t:
         saved_y[count[0]], saved_i[count[0]], saved_s[count[0]] = y, q.mode, q.s
         count[0] += 1
@@ -226,6 +246,7 @@ def integrate(
                         flow, guards, motion, kg, share, t, h, y, q, par, mpar, low, high, k, k_try, stage, y_end
                     )
                 save_until(count, save_at, saved_y, saved_i, saved_s, t, h, tau / h, y, q, k, out)
+                peak = max(peak, peak_in_step(watched, tau / h, h, y, y_end, k, out))
                 x = balance_passage(balance, tau / h, h, y, y_end, par, k, out)
                 if x >= 0.0:
                     record(count, table_t, table_i, table_s, table_y, t + x * h, BALANCE, q, q, out, out)
@@ -255,4 +276,4 @@ def integrate(
             break
     saved = (saved_y[: count[0]], saved_i[: count[0]], saved_s[: count[0]])
     table = (table_t[: count[1]], table_i[: count[1]], table_s[: count[1]], table_y[: count[1]])
-    return status, t, q.mode, count[2], saved, table
+    return status, t, q.mode, count[2], peak, saved, table

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -51,8 +52,12 @@ def trajectory(
     events: Events,
     max_events: int,
     statistics: dict[str, int],
+    peak: float = math.nan,
 ) -> Trajectory:
-    """A Trajectory from what a solver has gathered; samples are (t, y, mode, s), span the times really covered."""
+    """A Trajectory from what a solver has gathered; samples are (t, y, mode, s), span the times really covered.
+
+    peak is the largest |theta| [rad] of the run, between the samples too.
+    """
     if status == FELL:
         outcome = Outcome.OVERTURNED
     elif status == REACHED_END:
@@ -62,5 +67,5 @@ def trajectory(
     t, y, mode, s = samples
     reason = _reason(status, system, span[1], max_events)
     return Trajectory(
-        system, motion, solver, t, y, mode, s, events, span[0], span[1], first_mode, outcome, reason, statistics
+        system, motion, solver, t, y, mode, s, events, span[0], span[1], first_mode, outcome, reason, statistics, peak
     )

@@ -48,6 +48,8 @@ class _Run:
         self.saved: list[tuple[State, int, float]] = []
         self.events: list[tuple[float, int, int, int, float, State, State]] = []
         self.stalled = 0
+        self.theta, self.omega = system.state_names.index("theta"), system.state_names.index("omega")
+        self.peak = abs(float(y[self.theta]))
         self.statistics = {"steps": 0, "flow_evaluations": 0}
         self.low, self.high = -math.inf, math.inf
 
@@ -90,6 +92,15 @@ class _Run:
         if self.q.mode == INADMISSIBLE:
             return INADMISSIBLE_STATE
         return STALLED if self.stalled > MAX_STALLED else None
+
+    def record_peak(self, t0: float, t1: float, state_at: Callable[[float], State]) -> None:
+        """Keep the largest |theta| of the run so far, with that inside the step where omega changes sign."""
+        from scipy.optimize import brentq
+
+        times = [t0, t1]
+        if state_at(t0)[self.omega] * state_at(t1)[self.omega] < 0.0:
+            times.append(float(brentq(lambda x: state_at(x)[self.omega], t0, t1, xtol=1e-14, rtol=1e-14)))
+        self.peak = max(self.peak, *(abs(float(state_at(t)[self.theta])) for t in times))
 
     def record_balance(self, t0: float, t1: float, state_at: Callable[[float], State]) -> None:
         """Record an outward passage of the tilt of unstable balance within a step."""
@@ -151,6 +162,7 @@ def _smooth_stretch(
             event = _first_event(run, t_mode, stepper.t_old, stepper.t, state_at)
             t = stepper.t if event is None else event[0]
             run.save_until(t, state_at)
+            run.record_peak(stepper.t_old, t, state_at)
             run.record_balance(stepper.t_old, t, state_at)
             run.y = stepper.y if event is None else np.asarray(state_at(t))
         if event is not None:
@@ -204,6 +216,7 @@ class ScipyEvents:
             _events(run, len(y0)),
             max_events,
             run.statistics,
+            run.peak,
         )
 
 

@@ -169,8 +169,8 @@ def test_the_two_corner_impact_creates_no_energy_even_when_it_slides(
 
 
 # Own simulation for b/h = 0.25 on a rough floor, printed to three digits: the swing after the impact against that
-# before, as a ratio of angular velocities, never grows with e_n.  With e_n = 0 it is Housner's 1 - 1.5 sin^2(alpha), here
-# 0.911765; the peak is read off samples 4.5e-5 s apart, which costs omega^2 of 1e-6.
+# before, as a ratio of angular velocities, never grows with e_n.  With e_n = 0 it is Housner's 1 - 1.5 sin^2(alpha),
+# here 0.911765; the peak is read off samples 4.5e-5 s apart, which costs omega^2 of 1e-6.
 # The ratio of a swing is taken from its height: omega^2 goes with cos(alpha - theta_max) - cos(alpha).
 @pytest.mark.parametrize(
     ("e_n", "expected", "digits"),
@@ -185,5 +185,4 @@ def test_bouncing_corners_do_not_raise_the_ratio_of_swings(
     turned = np.flatnonzero((run.theta[:-1] < 0.0) & (run.omega[:-1] < 0.0) & (run.omega[1:] >= 0.0))
     theta_1 = abs(run.theta[turned[0]])
     ratio = math.sqrt((math.cos(alpha - theta_1) - math.cos(alpha)) / (math.cos(alpha - theta_0) - math.cos(alpha)))
-    print(f"e_n = {e_n}: ratio of swings {ratio:.6f}")
     assert ratio == pytest.approx(expected, abs=digits)

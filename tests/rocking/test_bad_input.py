@@ -1,0 +1,121 @@
+"""Wrong arguments are refused at the public edge, by name and value."""
+
+import math
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rocking import Block, Method1, Method2, solve
+
+BLOCK = Block(b=0.2, h=0.8)
+STOCKY = Block(b=1.5, h=1.0)  # b/h above sqrt(2)
+
+
+def m1(**options: Any) -> Callable[[], Any]:
+    """A Method 1 with these options, to be made."""
+    return lambda: Method1(**{"block": BLOCK, **options})
+
+
+def m2(**options: Any) -> Callable[[], Any]:
+    """A Method 2 with these options, to be made."""
+    return lambda: Method2(**{"block": BLOCK, "friction": 0.5, **options})
+
+
+def run(**options: Any) -> Callable[[], Any]:
+    """A run with these options."""
+    return lambda: solve(Method1(BLOCK), **{"t_end": 1.0, **options})
+
+
+def start(**options: Any) -> Callable[[], Any]:
+    """An initial state of Method 2."""
+    return lambda: Method2(BLOCK, friction=0.5).initial_state(**options)
+
+
+NAN, INF = math.nan, math.inf
+TABLE = [
+    *((lambda n=n, v=v: Block(**{"b": 0.2, "h": 0.8, n: v}), n, v)
+      for n in ("b", "h", "d", "density") for v in (0.0, -0.1, NAN, INF, -INF)),
+    *((m1(restitution=v), "restitution", v) for v in (-0.01, 1.01, NAN, INF)),
+    *((m1(g=v), "g", v) for v in (0.0, -9.81, NAN, INF)),
+    *((m1(rest_speed=v), "rest_speed", v) for v in (0.0, -1e-6, NAN)),
+    (m1(form="cubic"), "form", "cubic"),
+    (m1(onset="ishiyama", form="linear"), "onset", "ishiyama"),
+    (m1(onset="linear"), "onset", "linear"),
+    (m1(block=STOCKY), "b/h", 1.5),
+    *((m2(friction=v), "friction", v) for v in (-0.1, NAN, -INF)),
+    (m2(friction=1.4), "friction", 1.4),
+    (m2(friction=4.0 / 3.0), "friction", 4.0 / 3.0),
+    *((m2(kinetic_friction=v), "kinetic_friction", v) for v in (-0.1, 0.51, NAN)),
+    *((m2(normal_restitution=v), "normal_restitution", v) for v in (-0.01, 1.01, NAN)),
+    *((m2(tangential_restitution=v), "tangential_restitution", v) for v in (-1.01, 1.01, NAN)),
+    *((m2(chatter_time=v), "chatter_time", v) for v in (0.0, -1.0, NAN)),
+    *((m2(rest_speed=v), "rest_speed", v) for v in (0.0, NAN)),
+    (m2(g=-1.0), "g", -1.0),
+    (m2(impact_law="newton"), "impact_law", "newton"),
+    (m2(impact_law="two_corner"), "restitution", None),
+    (m2(impact_law="two_corner", restitution=1.01), "restitution", 1.01),
+    (m2(impact_law="two_corner", restitution=0.5), "restitution", 0.5),
+    (m2(impact_law="two_corner", restitution=0.93, friction=0.1), "friction", 0.1),
+    (m2(restitution=0.95), "restitution", 0.95),
+    # These two create energy, 1.27 and 1.99 times what there was at psi = 0.785 (own simulation).
+    (m2(impact_law="kinematic", normal_restitution=0.9, tangential_restitution=0.0), "normal_restitution", 0.9),
+    (m2(impact_law="kinematic", normal_restitution=0.6, tangential_restitution=-0.8), "tangential_restitution", -0.8),
+    (start(z=-0.1), "z", -0.1),
+    (start(z=NAN), "z", NAN),
+    (start(theta=0.1, v=-0.5), "v", -0.5),
+    *((run(t_end=v), "t_end", v) for v in (0.0, -1.0, NAN, INF)),
+    (run(t_start=1.0, t_end=1.0), "t_end", 1.0),
+    *((run(t_start=v), "t_start", v) for v in (NAN, -INF)),
+    *((run(theta=v), "theta", v) for v in (NAN, INF, 0.5 * math.pi, -2.0)),
+    *((run(omega=v), "omega", v) for v in (NAN, INF)),
+    *((run(rtol=v), "rtol", v) for v in (0.0, -1e-9, NAN, INF)),
+    *((run(atol=v), "atol", v) for v in (0.0, -1e-9, NAN)),
+    *((run(max_events=v), "max_events", v) for v in (0, -3)),
+    (run(solver="euler"), "solver", "euler"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("make", "name", "value"), TABLE, ids=[f"{name}={value}" for _, name, value in TABLE])
+def test_a_bad_argument_is_refused_by_name_and_value(make: Callable[[], Any], name: str, value: Any) -> None:
+    shown = "1.5" if name == "b/h" else repr(value)
+    with pytest.raises(ValueError, match=rf"(^|\W){re.escape(name)}={re.escape(shown)}(\W|$)"):
+        make()
+
+
+@pytest.mark.parametrize(
+    "save_at", [[0.5, 0.4], [-0.1, 0.5], [0.5, 1.1], [[0.1, 0.2]], [0.1, math.nan], 0.5, [math.inf]]
+)
+def test_times_to_save_at_must_be_a_row_that_ascends_within_the_run(save_at: Any) -> None:
+    with pytest.raises(ValueError, match="save_at"):
+        solve(Method1(BLOCK), t_end=1.0, save_at=save_at)
+
+
+def test_a_start_is_given_once() -> None:
+    system = Method1(BLOCK)
+    with pytest.raises(ValueError, match="initial"):
+        solve(system, t_end=1.0, theta=0.1, initial=system.initial_state(theta=0.1))
+
+
+@pytest.mark.parametrize("make", [
+    m1(restitution=0.0), m1(restitution=1.0), m1(block=STOCKY, restitution=0.5), m1(form="linear", onset="linear"),
+    m2(friction=0.0), m2(friction=1.333), m2(friction=math.inf), m2(friction=0.5, kinetic_friction=0.0),
+    m2(normal_restitution=1.0, tangential_restitution=-1.0), m2(tangential_restitution=1.0), m2(block=STOCKY),
+    m2(impact_law="two_corner", restitution=1.0), m2(impact_law="kinematic", normal_restitution=0.5),
+    run(save_at=[]), run(save_at=[0.0, 0.0, 1.0]), run(theta=1.57), run(max_events=1),
+    start(theta=0.1, v=0.0), start(z=0.1, v=-3.0),
+])  # fmt: skip
+def test_the_ends_of_the_ranges_are_admitted(make: Callable[[], Any]) -> None:
+    assert make() is not None
+
+
+# u -> -e_t u and v -> -e_n v conserve energy at every tilt when e_n = e_t = 1 or all is scaled alike: e_n = e_t; with
+# e_t = 0 the bound is 1 - e_n^2 >= 0.36, e_n <= 0.8.
+def test_the_kinematic_pair_is_admitted_up_to_its_bound() -> None:
+    assert m2(impact_law="kinematic", normal_restitution=0.7999, tangential_restitution=0.0)()
+    with pytest.raises(ValueError, match="energy"):
+        m2(impact_law="kinematic", normal_restitution=0.8001, tangential_restitution=0.0)()
+    for e in np.linspace(0.0, 1.0, 5):
+        assert m2(impact_law="kinematic", normal_restitution=float(e), tangential_restitution=float(e))()

@@ -1,0 +1,86 @@
+"""Compiled code is kept on disk: found again by the next process, and never older than the physics."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import rocking
+
+RUN = {
+    "method1": "Method1(Block(0.2, 0.8), g=9.81)",
+    "method2": "Method2(Block(0.2, 0.8), friction=1.2, normal_restitution=0.5, g=9.81)",
+}
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    """A copy of the package, without any cache, in a folder to put on the path."""
+    source = Path(rocking.__file__).parent
+    shutil.copytree(source, tmp_path / "rocking", ignore=shutil.ignore_patterns("__pycache__"))
+    return tmp_path
+
+
+def second_impact(folder: Path, method: str) -> float:
+    """Time of the second impact of free rocking, from a process of its own that imports the copy."""
+    code = (
+        "import rocking; from rocking import *\n"
+        f"assert rocking.__file__.startswith({str(folder)!r}), rocking.__file__\n"
+        f"print(solve({RUN[method]}, theta=0.12, t_end=1.5, solver='numba').impact_times[1].hex())"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(folder)}
+    environment.pop("NUMBA_CACHE_DIR", None)
+    result = subprocess.run(
+        [sys.executable, "-c", code], cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+    assert result.returncode == 0, result.stderr
+    return float.fromhex(result.stdout.strip())
+
+
+def cache_files(folder: Path) -> dict[str, int]:
+    """Cache files and when each was written."""
+    return {p.name: p.stat().st_mtime_ns for p in folder.rglob("*.nb[ci]")}
+
+
+def edit(path: Path, old: str, new: str) -> None:
+    """Replace a text that occurs once."""
+    text = path.read_text()
+    assert text.count(old) == 1, f"{old!r} occurs {text.count(old)} times in {path.name}"
+    path.write_text(text.replace(old, new))
+
+
+# With p^2 doubled every time of free rocking shrinks by sqrt(2): theta'' = -p^2 (...), time enters through p t alone.
+def test_method_1_is_compiled_once_and_again_when_its_physics_is_edited(package: Path) -> None:
+    first = second_impact(package, "method1")
+    compiled = cache_files(package)
+    assert compiled
+    assert second_impact(package, "method1") == first
+    assert cache_files(package) == compiled, "the second process compiled something again"
+    edit(
+        package / "rocking" / "method1.py",
+        "return rotating * y[1], -rotating * par.p2 * (pull_back + push)",
+        "return rotating * y[1], -rotating * 2.0 * par.p2 * (pull_back + push)",
+    )
+    # Solver tolerance of two runs: 1e-8.
+    assert second_impact(package, "method1") == pytest.approx(first / 2.0**0.5, rel=1e-8)
+    assert len(cache_files(package)) == len(compiled), "files of the old physics are left behind"
+
+
+# The impulses of Method 2 stand in another file than the compiled functions that call them.
+@pytest.mark.slow
+def test_method_2_sees_an_edit_of_a_function_that_it_calls_from_another_file(package: Path) -> None:
+    first = second_impact(package, "method2")
+    compiled = cache_files(package)
+    assert second_impact(package, "method2") == first
+    assert cache_files(package) == compiled, "the second process compiled something again"
+    # Without the e_n at the corner the block bounces no more.
+    edit(
+        package / "rocking" / "impacts.py",
+        "    P_z = (1.0 + e_n) * p_one_z + (1.0 + e_t) * d_z\n",
+        "    P_z = p_one_z + (1.0 + e_t) * d_z\n",
+    )
+    assert abs(second_impact(package, "method2") - first) > 1e-4
+    assert len(cache_files(package)) == len(compiled), "files of the old physics are left behind"
