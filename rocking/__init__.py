@@ -6,6 +6,7 @@ Methods are hybrid systems (`rocking.hybrid`), solvers are plugins (`rocking.sol
 loads neither SciPy nor numba nor JAX.
 """
 
+from rocking.batch import BatchResult, solve_batch
 from rocking.block import G_STANDARD, WOOD_DENSITY, Block
 from rocking.hybrid import Mode
 from rocking.method1 import Method1
@@ -16,6 +17,7 @@ from rocking.trajectory import Outcome, Trajectory
 __all__ = [
     "G_STANDARD",
     "WOOD_DENSITY",
+    "BatchResult",
     "Block",
     "Method1",
     "Method2",
@@ -23,4 +25,5 @@ __all__ = [
     "Outcome",
     "Trajectory",
     "solve",
+    "solve_batch",
 ]

@@ -71,14 +71,17 @@ def _drop_stale(dispatcher: Any, label: str, digest: str) -> None:
                 path.unlink()
 
 
-def compiled(body: Any, signature: Any, label: str, files: Iterable[str] = (), keep: bool = True) -> Any:
+def compiled(
+    body: Any, signature: Any, label: str, files: Iterable[str] = (), keep: bool = True, parallel: bool = False
+) -> Any:
     """`body` compiled for one signature, kept on disk under `label` and the digest of its sources.
 
     keep=False compiles for this process alone: for functions that another process could not find by name.
+    parallel=True spreads loops over `prange` over the cores.
     """
     digest = _digest(frozenset(files))
     body.__qualname__ = f"{label}_{digest}"
-    dispatcher = numba.njit(signature, cache=keep, nogil=True, error_model="numpy")(body)
+    dispatcher = numba.njit(signature, cache=keep, nogil=True, error_model="numpy", parallel=parallel)(body)
     if keep:
         _drop_stale(dispatcher, label, digest)
     return dispatcher

@@ -24,7 +24,8 @@ def _discrete(q: Discrete) -> Discrete:
 
 
 @cache
-def _motion_function(kernel: Any) -> Any:
+def motion_function(kernel: Any) -> Any:
+    """The motion's kernel compiled as (t, par) -> (a_x, a_z)."""
     from numba import types
 
     from rocking.solvers.numba_compile import bound
@@ -34,7 +35,7 @@ def _motion_function(kernel: Any) -> Any:
 
 
 @cache
-def _system_functions(
+def system_functions(
     flow: Any, guards: Any, jump: Any, balance: Any, parameters: Any, n: int, n_par: int, n_guards: int
 ) -> tuple[tuple[Any, ...], Any]:
     """(flow, guards, jump, balance) compiled, and the loop compiled for them."""
@@ -81,6 +82,12 @@ class NumbaEvents:
         """None: any plain functions compile; one that does not is numba's own error."""
         return None
 
+    def solve_batch(self, systems: Any, motions: Any, states: Any, t_span: tuple[float, float], **options: Any) -> Any:
+        """Summaries of many runs; see `rocking.solvers.numba_batch.run_batch`."""
+        from rocking.solvers.numba_batch import run_batch
+
+        return run_batch(systems, motions, states, t_span, **options)
+
     def solve(
         self,
         system: System,
@@ -98,12 +105,12 @@ class NumbaEvents:
         par = system.parameters
         kind: Any = type(par)
         n_guards = len(system.guard_names)
-        functions, loop = _system_functions(
+        functions, loop = system_functions(
             system.flow, system.guards, system.jump, system.balance, kind, len(y0), len(par), n_guards
         )
         status, t, last_mode, steps, peak, saved, table = loop(
             *functions,
-            _motion_function(motion.kernel),
+            motion_function(motion.kernel),
             np.array(y0, dtype=np.float64),
             _discrete(q0),
             kind(*(float(value) for value in par)),

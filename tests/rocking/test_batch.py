@@ -1,0 +1,97 @@
+"""Batches: every run is the run that `solve` gives."""
+
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from excitation import RampedSinusoid
+from rocking import Block, Method1, Method2, solve, solve_batch
+
+MOTIONS = [RampedSinusoid(f, 6.0, a) for f in (0.8, 2.0, 4.0) for a in (2.0, 8.0, 25.0)]
+SYSTEMS = {
+    "linear": lambda b, h: Method1(Block(b, h), form="linear"),
+    "nonlinear": lambda b, h: Method1(Block(b, h)),
+    "method2": lambda b, h: Method2(Block(b, h), friction=0.5, normal_restitution=0.2),
+}
+
+
+def same(single, batch, i):
+    assert batch.overturned[i] == single.overturned
+    assert batch.side[i] == single.side
+    assert batch.impacts[i] == len(single.impact_times)
+    for name in ("peak_rotation", "overturning_time", "onset_time", "t_end"):
+        assert np.array_equal(getattr(batch, name)[i], getattr(single, name), equal_nan=True), name
+
+
+@pytest.mark.parametrize("kind", SYSTEMS)
+def test_every_run_of_a_batch_is_the_single_run_bit_for_bit(kind):
+    systems = [SYSTEMS[kind](0.1 + 0.02 * i, 0.5) for i in range(len(MOTIONS))]
+    batch = solve_batch(systems, MOTIONS, t_end=6.0)
+    assert len(set(batch.outcome.tolist())) >= 2  # some fall and some do not, or the test says little
+    for i, (system, motion) in enumerate(zip(systems, MOTIONS, strict=True)):
+        same(solve(system, motion, t_end=6.0, save_at=()), batch, i)
+
+
+def test_free_runs_start_from_the_tilts_given():
+    block = Block(0.2, 0.8)
+    tilts = np.array([-0.2, 0.05, 0.1, 0.25])
+    batch = solve_batch(Method1(block), t_end=5.0, theta=tilts)
+    # The largest tilt is that of the release, but for the one beyond alpha = 0.245, which falls.
+    assert batch.peak_rotation[:3] == pytest.approx(np.abs(tilts[:3]), rel=1e-15)
+    assert batch.overturned.tolist() == [False, False, False, True]
+    assert batch.side.tolist() == [0, 0, 0, 1]
+    for i, theta in enumerate(tilts):
+        same(solve(Method1(block), t_end=5.0, theta=float(theta), save_at=()), batch, i)
+
+
+def test_number_of_cores_changes_no_bit():
+    code = (
+        "import numba, sys; numba.set_num_threads(int(sys.argv[1]))\n"
+        "from rocking import *; from excitation import RampedSinusoid\n"
+        "motions = [RampedSinusoid(1.0 + 0.1 * i, 5.0, 12.0) for i in range(24)]\n"
+        "r = solve_batch(Method1(Block(0.15, 0.5)), motions, t_end=5.0)\n"
+        "print(r.peak_rotation.tobytes().hex(), r.impacts.tolist())\n"
+    )
+    said = [subprocess.run([sys.executable, "-c", code, n], capture_output=True, text=True) for n in ("1", "2")]
+    assert said[0].returncode == 0, said[0].stderr
+    assert said[0].stdout == said[1].stdout
+
+
+def test_summary_goes_to_xarray_with_units():
+    ds = solve_batch(Method1(Block(0.2, 0.8)), MOTIONS, t_end=6.0).to_xarray(
+        {"frequency": ("run", [1.0] * len(MOTIONS))}
+    )
+    assert ds.sizes == {"run": len(MOTIONS)}
+    assert ds.peak_rotation.attrs["units"] == "rad"
+    assert "frequency" in ds.coords
+
+
+BLOCK = Method1(Block(0.2, 0.8))
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: solve_batch([], t_end=1.0), "systems: none given"),
+        (lambda: solve_batch([BLOCK] * 2, MOTIONS, t_end=1.0), "systems: 2 of them, want 1 or 9"),
+        (lambda: solve_batch(BLOCK, t_end=0.0), r"t_end=0\.0 s"),
+        (lambda: solve_batch(BLOCK, t_end=1.0, theta=[0.1, math.nan]), "theta: want finite numbers"),
+        (lambda: solve_batch(BLOCK, t_end=1.0, theta=[0.1, 2.0]), r"theta=.*2\.0.* rad: want between"),
+        (lambda: solve_batch(BLOCK, MOTIONS, t_end=1.0, theta=[0.1, 0.2]), r"theta: shape \(2,\), want"),
+        (lambda: solve_batch(BLOCK, t_end=1.0, solver="scipy"), "solver='scipy': it has no batch; want 'numba'"),
+        (
+            lambda: solve_batch([BLOCK, Method1(Block(0.2, 0.8), form="linear")], MOTIONS[:2], t_end=1.0),
+            "systems: want them of one method and form",
+        ),
+        (
+            lambda: solve_batch(BLOCK, [MOTIONS[0], RampedSinusoid(1.0, 2.0, 3.0, imperfection=0.1)], t_end=1.0),
+            "motions: want them of one kind",
+        ),
+    ],
+)
+def test_bad_argument_is_named(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
