@@ -9,7 +9,8 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from rocking import Block, Method1, Mode, Outcome, solve
+from rocking import Block, Method1, Mode, Outcome, scalars, solve
+from rocking.hybrid import Base, Discrete
 
 G = 9.81
 B, H = 0.2, 0.8
@@ -155,3 +156,19 @@ def test_a_falling_floor_lets_a_steady_push_start_the_rocking(slender: Block, wi
     motion = window(0.0, 3.0, steady=(push, 0.0), z=(0.0, -6.0, 1.0, 0.0))
     run = solve(Method1(slender, g=G), motion, t_end=3.0)
     assert run.onset_time == pytest.approx(math.asin((G - push * H / B) / 6.0), abs=1e-9)
+
+
+# Eq. (1) again: what is left of the geometric series is dropped only where the block may stand, |a_x| <= (b/h) g.
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize(("share", "mode"), [(0.99, Mode.REST), (1.01, Mode.ROTATION)])
+def test_a_slow_impact_is_the_last_only_where_the_push_lets_the_block_stand(
+    slender: Block, side: float, share: float, mode: Mode
+) -> None:
+    system = Method1(slender, g=G)
+    base = Base(side * share * B / H * G, 0.0)
+    omega = 1e-7 * P  # below rest_speed = 1e-6 p
+    (_, omega_after), q = system.jump(
+        scalars, (0.0, -omega), Discrete(int(Mode.ROTATION), 1.0, 1.0), base, system.parameters, 1
+    )
+    assert q.mode == mode
+    assert omega_after == (0.0 if mode == Mode.REST else pytest.approx(-omega * (1.0 - 1.5 / 17.0), rel=1e-12))
