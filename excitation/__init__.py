@@ -1,10 +1,94 @@
-"""What the base does: prescribed motions that a solver can evaluate at any time.
+"""What the base does: prescribed motions that a solver can evaluate at any time, and the records they are made from.
 
 A motion is an immutable object.  Calling it with times gives accelerations; its `kernel` and `parameters` are the
-same formula in the form that a compiling solver takes (see `excitation.motion.Motion`).
+same formula in the form that a compiling solver takes (see `excitation.motion.Motion`).  A record is an acceleration
+history with where it is from (`excitation.record.Record`); `read` finds them in files, functions process them, and
+`record.motion()` makes a motion of one.  `python -m excitation FILE` shows what a file holds.
 """
 
+from excitation.baseline import baseline_corrected
+from excitation.chirp import Chirp
+from excitation.combined import Combined
+from excitation.datasets import from_xarray
+from excitation.filters import band_passed, tapered
+from excitation.formats import formats, read, write
+from excitation.intensities import Intensity, intensity
+from excitation.kanai_tajimi import KanaiTajimi
 from excitation.motion import Motion
+from excitation.point_source import PointSource
+from excitation.pulse import CentredPulse, FinitePulse
+from excitation.pulse_antisymmetric_ricker import AntisymmetricRickerPulse
+from excitation.pulse_gabor import GaborPulse
+from excitation.pulse_half_sine import HalfSinePulse
+from excitation.pulse_mavroeidis_papageorgiou import MavroeidisPapageorgiouPulse
+from excitation.pulse_one_cosine import OneCosinePulse
+from excitation.pulse_one_sine import OneSinePulse
+from excitation.pulse_rectangular import RectangularPulse
+from excitation.pulse_symmetric_ricker import SymmetricRickerPulse
 from excitation.ramped_sinusoid import RampedSinusoid
+from excitation.record import Record, RecordFileError
+from excitation.resampling import resampled, similar, time_scaled, trimmed
+from excitation.rotation import rotd, rotd_peaks, turned
+from excitation.sampled import PiecewiseLinear, SampledMotion
+from excitation.scaling import scaled, scaled_to
+from excitation.spectra import ResponseSpectrum, response_spectrum
+from excitation.spectrum_matching import Match, matched
+from excitation.steady_sinusoid import SteadySinusoid
+from excitation.table import Table
 
-__all__ = ["Motion", "RampedSinusoid"]
+__all__ = [
+    "AntisymmetricRickerPulse",
+    "CentredPulse",
+    "Chirp",
+    "Combined",
+    "FinitePulse",
+    "GaborPulse",
+    "HalfSinePulse",
+    "Intensity",
+    "KanaiTajimi",
+    "Match",
+    "MavroeidisPapageorgiouPulse",
+    "Motion",
+    "OneCosinePulse",
+    "OneSinePulse",
+    "PiecewiseLinear",
+    "PointSource",
+    "RampedSinusoid",
+    "Record",
+    "RecordFileError",
+    "RectangularPulse",
+    "ResponseSpectrum",
+    "SampledMotion",
+    "SteadySinusoid",
+    "SymmetricRickerPulse",
+    "Table",
+    "band_passed",
+    "baseline_corrected",
+    "formats",
+    "formulas",
+    "from_xarray",
+    "intensity",
+    "matched",
+    "read",
+    "resampled",
+    "response_spectrum",
+    "rotd",
+    "rotd_peaks",
+    "scaled",
+    "scaled_to",
+    "similar",
+    "tapered",
+    "time_scaled",
+    "trimmed",
+    "turned",
+    "write",
+]
+
+
+def formulas() -> dict[str, type[Motion]]:
+    """The motions that are closed formulas, by name: what a dataset can be traced back to."""
+    found = (
+        AntisymmetricRickerPulse, Chirp, GaborPulse, HalfSinePulse, MavroeidisPapageorgiouPulse, OneCosinePulse,
+        OneSinePulse, RampedSinusoid, RectangularPulse, SteadySinusoid, SymmetricRickerPulse,
+    )  # fmt: skip
+    return {kind.__name__: kind for kind in found}

@@ -1,17 +1,21 @@
 """What every base motion offers: values at any time, and the same formula for compiling solvers.
 
-The base moves horizontally with `a_x` and vertically with `a_z` [m/s^2]; gravity is in neither.  A subclass states
+The base moves horizontally with `a_x` and vertically with `a_z` [m/s^2] and may pitch; gravity is in neither, and pitch
+is positive clockwise like the rotation of a block.  A subclass states
 
 - `kernel(xp, t, par) -> (a_x, a_z)`: a plain function of an array namespace (`numpy`, `jax.numpy` or a scalar
   one), one time and the parameter array.  It uses `xp` and arithmetic only (no Python branch on a value), so one source
   serves NumPy, compiled loops and traced code;
-- `parameters`: the float64 array `par`, shape (parameter,);
+- `pitch_kernel(xp, t, par) -> (pitch [rad], pitch acceleration [rad/s^2])`: the same for the pitch; zero if not given;
+- `parameters`: the float64 array `par`, shape (parameter,), that both take;
 - `breakpoints`: times [s] at which the motion or its slope jumps, so that no integration step straddles one;
 - `max_step`: the longest step [s] that cannot miss a feature of the motion.
 """
 
 from __future__ import annotations
 
+import dataclasses
+import json
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +24,20 @@ from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
     import xarray as xr
+
+FloatArray = NDArray[np.float64]
+
+
+def _level(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
+    """No pitch."""
+    return 0.0 * t, 0.0 * t
+
+
+def _times(t: ArrayLike) -> FloatArray:
+    times = np.asarray(t, dtype=np.float64)
+    if not np.all(np.isfinite(times)):
+        raise ValueError(f"t={t!r}: want finite times [s]")
+    return times
 
 
 class Motion(ABC):
@@ -34,9 +52,11 @@ class Motion(ABC):
     def kernel(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
         """(a_x, a_z) [m/s^2] at t [s] for the parameter array, in the array namespace xp."""
 
+    pitch_kernel = staticmethod(_level)
+
     @property
     @abstractmethod
-    def parameters(self) -> NDArray[np.float64]:
+    def parameters(self) -> FloatArray:
         """The array that `kernel` takes, shape (parameter,)."""
 
     @property
@@ -49,25 +69,39 @@ class Motion(ABC):
     def max_step(self) -> float:
         """The longest integration step [s] that cannot miss a feature of the motion."""
 
-    def __call__(self, t: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        times = np.asarray(t, dtype=np.float64)
-        if not np.all(np.isfinite(times)):
-            raise ValueError(f"t={t!r}: want finite times [s]")
+    def __call__(self, t: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        times = _times(t)
         a_x, a_z = self.kernel(np, times, self.parameters)
         return a_x + np.zeros_like(times), a_z + np.zeros_like(times)
 
+    def pitch(self, t: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Pitch [rad] and its second derivative [rad/s^2] at `t` [s], each of the shape of `t`; clockwise positive."""
+        times = _times(t)
+        angle, acceleration = self.pitch_kernel(np, times, self.parameters)
+        return angle + np.zeros_like(times), acceleration + np.zeros_like(times)
+
     def to_xarray(self, t: ArrayLike) -> xr.Dataset:
-        """Values at the times `t` [s], shape (time,), as a dataset with units."""
+        """Values at the times `t` [s], shape (time,), as a dataset with units; see `excitation.from_xarray`."""
         import xarray as xr
 
         times = np.atleast_1d(np.asarray(t, dtype=np.float64))
         a_x, a_z = self(times)
-        axis = {"units": "m s-2"}
+        pitch, pitch_acceleration = self.pitch(times)
+        columns = {
+            "a_x": (a_x, "m s-2", "horizontal base acceleration"),
+            "a_z": (a_z, "m s-2", "vertical base acceleration"),
+            "pitch": (pitch, "rad", "pitch of the base, clockwise positive"),
+            "pitch_acceleration": (pitch_acceleration, "rad s-2", "second derivative of the pitch"),
+        }
         return xr.Dataset(
-            {
-                "a_x": ("time", a_x, axis | {"long_name": "horizontal base acceleration"}),
-                "a_z": ("time", a_z, axis | {"long_name": "vertical base acceleration"}),
-            },
+            {name: ("time", v, {"units": unit, "long_name": text}) for name, (v, unit, text) in columns.items()},
             coords={"time": ("time", times, {"units": "s", "long_name": "time"})},
-            attrs={"motion": repr(self)},
+            attrs={"motion": repr(self)} | self._recipe(),
         )
+
+    def _recipe(self) -> dict[str, str]:
+        """Attributes from which `excitation.from_xarray` makes the same object; none if its samples say it all."""
+        if not dataclasses.is_dataclass(self):
+            return {}
+        arguments = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        return {"motion_class": type(self).__name__, "motion_arguments": json.dumps(arguments, default=float)}

@@ -1,6 +1,9 @@
 """The ramped sinusoid: a horizontal sine whose amplitude grows linearly with time.
 
-    a_x(t) = E(t) sin(2 pi f t + phase),   E(t) = A (t / T) (1 + r(t)),   0 <= t <= T;   0 outside
+    a_x(t) = E(t) sin(2 pi f t + phase),   E(t) = A min(t / T, 1) (1 + r(t)) c(t),   0 <= t <= T + hold + taper
+
+The amplitude may be held for a while after the ramp and then taken back to zero by c(t), half a cosine wave; without
+hold and taper the base is at rest from T on.
 
 Source   base motion of the shaking-table tests of Winkler, Meguro & Yamazaki (1995), section "Shaking table
          experiments"; the departure r(t) stands for their remark (section "The effect of slenderness") that a constant
@@ -18,22 +21,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from excitation.checks import not_negative
+from excitation.envelopes import MAX_IMPERFECTION, departure, falling
 from excitation.motion import Motion
-
-DEPARTURE_TERMS = 8
-"""Number of cosines that make up the departure of the envelope."""
-
-MAX_IMPERFECTION = 0.25
-"""Largest admissible size; the departure's peaks are two to three times it, and the envelope stays positive."""
 
 
 def _envelope(xp: Any, t: Any, par: Any) -> Any:
-    """Envelope [m/s^2] of the sine at t; par = [omega, phase, rate, duration, (amplitude, omega, phase) ...]."""
+    """Envelope [m/s^2] of the sine at t; par = [omega, phase, rate, T, (amplitude, omega, phase) ..., hold, taper]."""
     departure = 0.0 * t
-    for i in range(4, len(par), 3):
+    for i in range(4, len(par) - 2, 3):
         departure = departure + par[i] * xp.cos(par[i + 1] * t + par[i + 2])
-    inside = (t >= 0.0) & (t <= par[3])
-    return xp.where(inside, par[2] * t * (1.0 + departure), 0.0)
+    hold_end = par[3] + par[-2]
+    inside = (t >= 0.0) & (t <= hold_end + par[-1])
+    ramp = par[2] * xp.minimum(t, par[3]) * (1.0 + departure)
+    return xp.where(inside, ramp * falling(xp, t, hold_end, par[-1]), 0.0)
 
 
 def _acceleration(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
@@ -51,8 +52,10 @@ class RampedSinusoid(Motion):
         final_amplitude: A [m/s^2], positive: the envelope at T.
         phase: phase of the sine [rad].
         imperfection: size of the smooth random departure of the envelope, as its rms share of the straight
-            line over the duration; 0 (off) to 0.25.
+            line (and of the held one) until the end; 0 (off) to 0.25.
         seed: seed of the departure; the same seed gives the same motion.
+        hold: time [s] for which the final amplitude is kept after the ramp.
+        taper: time [s] in which it then goes back to zero.
         imperfection_period: shortest period [s] in the departure; `duration / 10` if not given.
 
     Raises:
@@ -66,6 +69,8 @@ class RampedSinusoid(Motion):
     imperfection: float = 0.0
     seed: int = 0
     imperfection_period: float | None = None
+    hold: float = 0.0
+    taper: float = 0.0
 
     kernel = staticmethod(_acceleration)
 
@@ -78,6 +83,8 @@ class RampedSinusoid(Motion):
             raise ValueError(f"phase={self.phase!r} rad: want a finite number")
         if not 0.0 <= self.imperfection <= MAX_IMPERFECTION:
             raise ValueError(f"imperfection={self.imperfection!r}: want 0 to {MAX_IMPERFECTION}")
+        not_negative("hold", self.hold, "s")
+        not_negative("taper", self.taper, "s")
         period = self.imperfection_period
         if period is not None and not 0.0 < period <= self.duration:
             raise ValueError(f"imperfection_period={period!r} s: want above 0 and at most the duration")
@@ -87,36 +94,36 @@ class RampedSinusoid(Motion):
         """Cosines of r(t): rows of amplitude, angular frequency, phase; none when the envelope is straight."""
         if self.imperfection == 0.0:
             return np.empty((0, 3))
-        rng = np.random.default_rng(self.seed)
         shortest = self.imperfection_period or self.duration / 10.0
-        t = np.linspace(0.0, self.duration, 4001)
-        rows = np.ones((DEPARTURE_TERMS, 3))
-        while True:
-            rows[:, 1] = 2.0 * math.pi * rng.uniform(0.0, 1.0 / shortest, DEPARTURE_TERMS)
-            rows[:, 2] = rng.uniform(0.0, 2.0 * math.pi, DEPARTURE_TERMS)
-            r = np.cos(rows[:, 1, None] * t + rows[:, 2, None]).sum(axis=0)
-            # Random phases give the stated rms on average only: scale this draw to have it exactly, and draw
-            # again in the rare case that the envelope would turn negative somewhere.
-            amplitude = self.imperfection / math.sqrt(float(np.mean(r * r)))
-            if np.min(1.0 + amplitude * r) > 0.0:
-                break
-        rows[:, 0] = amplitude
-        return rows
+        return departure(self.imperfection, shortest, self.end, self.seed)
 
     @cached_property
     def parameters(self) -> NDArray[np.float64]:
         rate = self.final_amplitude / self.duration
         head = [2.0 * math.pi * self.frequency, self.phase, rate, self.duration]
-        return np.concatenate([head, self._departure.ravel()])
+        return np.concatenate([head, self._departure.ravel(), [self.hold, self.taper]])
+
+    @property
+    def end(self) -> float:
+        """Time [s] from which the base is at rest."""
+        return self.duration + self.hold + self.taper
+
+    @property
+    def ramped_sine(self) -> tuple[float, float, float, float] | None:
+        """(omega, phase, rate, duration) in SI units for closed forms; None unless the ramp is all there is."""
+        if self.imperfection > 0.0 or self.hold > 0.0 or self.taper > 0.0:
+            return None
+        rate = self.final_amplitude / self.duration
+        return (2.0 * math.pi * self.frequency, self.phase, rate, self.duration)
 
     @property
     def breakpoints(self) -> tuple[float, ...]:
-        return (0.0, self.duration)
+        return tuple(sorted({0.0, self.duration, self.duration + self.hold, self.end}))
 
     @property
     def max_step(self) -> float:
         return 0.05 / self.frequency
 
     def envelope(self, t: ArrayLike) -> NDArray[np.float64]:
-        """Amplitude E(t) [m/s^2] of the sine, any shape; zero outside 0 to `duration`."""
+        """Amplitude E(t) [m/s^2] of the sine, any shape; zero before 0 and from `end` on."""
         return np.asarray(_envelope(np, np.asarray(t, dtype=np.float64), self.parameters))

@@ -1,0 +1,98 @@
+"""The chirp: a horizontal sine whose frequency sweeps from one value to another.
+
+    a_x(t) = A w(t) sin(2 pi phi(t) + phase),   0 <= t <= T
+    linear        phi = f_0 t + (f_1 - f_0) t^2 / (2 T)
+    logarithmic   phi = f_0 T / ln(f_1/f_0) ((f_1/f_0)^(t/T) - 1)
+
+Source   the two sweeps as scipy.signal.chirp has them; tapers as in `excitation.steady_sinusoid`.
+Status   agrees with scipy.signal.chirp.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from excitation.checks import finite, not_zero, positive
+from excitation.envelopes import window
+from excitation.motion import Motion
+from excitation.steady_sinusoid import check_tapers, taper_breakpoints
+
+SWEEPS = ("linear", "logarithmic")
+
+
+def _acceleration(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
+    """(a_x, a_z) [m/s^2] at t; par = [f_0, slope, log rate, phase, amplitude, duration, rise, fall].
+
+    slope [Hz/s] is zero for a logarithmic sweep, log rate [1/s] is zero for a linear one.
+    """
+    within = xp.minimum(xp.maximum(t, 0.0), par[5])
+    rate = xp.where(par[2] == 0.0, 1.0, par[2])
+    logarithmic = par[0] / rate * (xp.exp(par[2] * within) - 1.0)
+    linear = (par[0] + 0.5 * par[1] * within) * within
+    cycles = xp.where(par[2] == 0.0, linear, logarithmic)
+    a_x = par[4] * window(xp, t, par[5], par[6], par[7]) * xp.sin(2.0 * math.pi * cycles + par[3])
+    return a_x, 0.0 * t
+
+
+@dataclass(frozen=True)
+class Chirp(Motion):
+    """A sine of constant amplitude whose frequency goes from `start_frequency` to `end_frequency` in `duration`.
+
+    Args:
+        start_frequency, end_frequency: f_0, f_1 [Hz], positive; different ones for a logarithmic sweep.
+        amplitude: A [m/s^2], not zero.
+        duration: T [s], positive, both tapers in it.
+        sweep: "linear" or "logarithmic" in time.
+        phase: phase of the sine at the start [rad].
+        taper_in, taper_out: times [s] in which the amplitude rises and falls; none if zero.
+
+    Raises:
+        ValueError: an argument is out of the range above.
+    """
+
+    start_frequency: float
+    end_frequency: float
+    amplitude: float
+    duration: float
+    sweep: str = "linear"
+    phase: float = 0.0
+    taper_in: float = 0.0
+    taper_out: float = 0.0
+
+    kernel = staticmethod(_acceleration)
+
+    def __post_init__(self) -> None:
+        positive("start_frequency", self.start_frequency, "Hz")
+        positive("end_frequency", self.end_frequency, "Hz")
+        not_zero("amplitude", self.amplitude, "m/s^2")
+        positive("duration", self.duration, "s")
+        finite("phase", self.phase, "rad")
+        check_tapers(self.taper_in, self.taper_out, self.duration)
+        if self.sweep not in SWEEPS:
+            raise ValueError(f"sweep={self.sweep!r}: want one of {', '.join(SWEEPS)}")
+        if self.sweep == "logarithmic" and self.start_frequency == self.end_frequency:
+            raise ValueError(f"end_frequency={self.end_frequency!r} Hz: want another one than start_frequency")
+
+    @cached_property
+    def parameters(self) -> NDArray[np.float64]:
+        slope = log_rate = 0.0
+        if self.sweep == "linear":
+            slope = (self.end_frequency - self.start_frequency) / self.duration
+        else:
+            log_rate = math.log(self.end_frequency / self.start_frequency) / self.duration
+        head = [self.start_frequency, slope, log_rate, self.phase, self.amplitude, self.duration]
+        return np.array([*head, self.taper_in, self.taper_out])
+
+    @property
+    def breakpoints(self) -> tuple[float, ...]:
+        return taper_breakpoints(self.taper_in, self.taper_out, self.duration)
+
+    @property
+    def max_step(self) -> float:
+        return 0.05 / max(self.start_frequency, self.end_frequency)

@@ -1,0 +1,81 @@
+"""Reading and writing records: one format, one file.
+
+`read` finds the format by what stands in the file, never by its name.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from excitation.formats import columns, cosmos, csmip, dyna, knet, peer, seismology, smc
+from excitation.formats.text import is_text, read_bytes, text_file
+from excitation.record import Record, RecordFileError
+
+READERS: dict[str, Any] = {module.NAME: module for module in (peer, knet, dyna, cosmos, smc, csmip)}
+"""Formats whose header states everything, in the order in which they are tried."""
+
+WRITERS: dict[str, Any] = {module.NAME: module for module in (peer, dyna, smc, columns)}
+
+
+def read(
+    path: str | Path, *, format: str | None = None, units: str | None = None, time_units: str | None = None
+) -> list[Record]:
+    """The acceleration records in a file, in SI.
+
+    Args:
+        path: the file.
+        format: one of `formats()`; found by what the file holds if not given.
+        units: unit of acceleration for a file that states none (columns without headings, miniSEED, SAC).
+        time_units: unit of the time column for a file that states none.
+
+    Raises:
+        RecordFileError: (a ValueError) the file is not what its header promises, or in no known format; says file,
+            line, what was found and what was wanted.
+        ValueError: an argument is unknown, or states a unit that the file states itself.
+        OSError: the file cannot be opened.
+    """
+    known = formats()
+    if format is not None and format not in known:
+        raise ValueError(f"format={format!r}: want one of {', '.join(known)}")
+    name, data = Path(path).name, read_bytes(path)
+    if format == seismology.NAME or not is_text(data):
+        return seismology.parse(name, data, units)
+    text = text_file(name, data)
+    found = format or next((key for key, module in READERS.items() if module.recognises(text)), None)
+    if found is None and columns.recognises(text):
+        found = columns.NAME
+    if found is None:
+        return seismology.parse(name, data, units)
+    if found == columns.NAME:
+        return columns.parse(text, units, time_units)
+    for argument, value in (("units", units), ("time_units", time_units)):
+        if value is not None:
+            raise ValueError(f"{argument}={value!r}: want none, a {READERS[found].TITLE} file states its own")
+    records: list[Record] = READERS[found].parse(text)
+    return records
+
+
+def formats() -> dict[str, str]:
+    """Names of the formats that `read` takes, with what they are."""
+    modules = (*READERS.values(), columns, seismology)
+    return {module.NAME: module.TITLE for module in modules}
+
+
+def write(path: str | Path, record: Record, format: str) -> None:
+    """Write one record.
+
+    Args:
+        path: the file; written over if it is there.
+        record: what to write.
+        format: `columns` (every bit of the samples), `dyna`, `peer` or `smc` (their digits).
+
+    Raises:
+        ValueError: the format is none of these, or cannot hold the record.
+    """
+    if format not in WRITERS:
+        raise ValueError(f"format={format!r}: want one of {', '.join(WRITERS)}")
+    WRITERS[format].write(path, record)
+
+
+__all__ = ["READERS", "WRITERS", "Record", "RecordFileError", "formats", "read", "write"]

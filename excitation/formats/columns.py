@@ -1,0 +1,167 @@
+"""Columns of text: time and one or more accelerations, each with its unit in the header or stated by the reader.
+
+    # anything
+    time [s], a_x [m/s^2], up [g]
+    0.000, 0.0012, -0.0003
+
+Separated by commas, semicolons, tabs or blanks.  Without a header line the first column is time, and the units have to
+be stated: nothing is guessed.
+
+Source   none: the usual text table.
+Status   the time column must be equally spaced to a thousandth of a step or to the digits that it is printed with.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from excitation.formats.peer import direction_of
+from excitation.formats.text import TextFile, decimals, to_float
+from excitation.record import Record, RecordFileError, same_sampling
+from excitation.units import factor, quantity_of
+
+NAME = "columns"
+TITLE = "text columns with units, .csv and .txt"
+SEPARATORS = (";", ",", "\t", None)
+_HEADING = re.compile(r"^\s*\"?\s*(?P<name>[^\[\](]*?)\s*(?:[\[(]\s*(?P<unit>[^\])]+?)\s*[\])])?\s*\"?\s*$")
+
+
+def split(line: str, separator: str | None) -> list[str]:
+    """Fields of a line; brackets keep blanks together where blanks separate."""
+    if separator is None:
+        return re.findall(r"[^\s\[(]*\s*[\[(][^\])]*[\])]|\S+", line)
+    return line.split(separator)
+
+
+def _separator(line: str) -> str | None:
+    return next((s for s in SEPARATORS if s is None or s in line), None)
+
+
+def _is_numbers(line: str) -> bool:
+    return all(to_float(v) is not None for v in split(line, _separator(line)))
+
+
+def _first_line(text: TextFile) -> int:
+    """Index of the heading, or of the first numbers if there is none."""
+    for i, line in enumerate(text.lines):
+        if line.strip() and not line.lstrip().startswith(("#", "%", "!")):
+            return i
+    text.fail(len(text.lines), "a heading or numbers")
+
+
+def recognises(text: TextFile) -> bool:
+    """Whether a line of numbers comes first, or one heading and then numbers, two columns or more."""
+    lines = [x for x in text.lines[:200] if x.strip() and not x.lstrip().startswith(("#", "%", "!"))][:2]
+    if len(lines) < 2 or not _is_numbers(lines[1]):
+        return False
+    return len(split(lines[1], _separator(lines[1]))) >= 2
+
+
+def _table(text: TextFile, first: int, separator: str | None, width: int) -> NDArray[np.float64]:
+    """The numbers from line `first` on, shape (time, column)."""
+    lines = [(i, text.lines[i]) for i in range(first, len(text.lines)) if text.lines[i].strip()]
+    for i, line in lines:
+        found = len(line.split(separator))
+        if found != width:
+            text.fail(i, f"{width} columns as in the first line")
+    if separator is None:
+        values = text.block(first, len(text.lines))
+    else:
+        body = [line.replace(separator, " ") for _, line in lines]
+        flat = TextFile(text.name, [""] * first + body, text.sha256)
+        try:
+            values = flat.block(first, first + len(body))
+        except RecordFileError:
+            bad = next(i for i, line in lines if not all(to_float(v) is not None for v in line.split(separator)))
+            text.fail(bad, f"{width} finite numbers")
+    if values.size != len(lines) * width:
+        bad = next(i for i, line in lines if not all(to_float(v) is not None for v in line.split(separator)))
+        text.fail(bad, f"{width} finite numbers")
+    return np.asarray(values.reshape(len(lines), width))
+
+
+def _headings(text: TextFile, index: int, separator: str | None, units: str | None, time_units: str | None) -> list[
+    tuple[str, str]
+]:  # fmt: skip
+    """(name, unit) of each column."""
+    numbers = _is_numbers(text.lines[index])
+    fields = split(text.lines[index], separator)
+    headings: list[tuple[str, str]] = []
+    for k, text_of in enumerate(fields):
+        found = None if numbers else _HEADING.match(text_of)
+        name = found["name"].strip() if found else ("time" if k == 0 else "")
+        stated = (found["unit"] or "") if found else ""
+        unit = stated or (time_units if k == 0 else units) or ""
+        quantity = "time" if k == 0 else "acceleration"
+        if not unit:
+            text.fail(index, f"the unit of column {k + 1} in brackets, or stated as an argument")
+        if quantity_of(unit) != quantity:
+            text.fail(index, f"a unit of {quantity} for column {k + 1}, not {unit!r}")
+        headings.append((name, unit))
+    if len(headings) < 2:
+        text.fail(index, "a time column and one or more of acceleration")
+    return headings
+
+
+def _step(text: TextFile, first: int, times: NDArray[np.float64], printed: str, scale: float) -> float:
+    """The equal spacing [s] of the time column."""
+    step = float(times[-1] - times[0]) / (times.size - 1)
+    if not step > 0.0:
+        text.fail(first, "times that ascend")
+    off = np.abs(times - times[0] - step * np.arange(times.size))
+    # A printed time is off by half its last digit, and so is the first one that they are measured from.
+    allowed = max(1e-3 * step, 2.0 * scale * printed_resolution(printed))
+    if np.max(off) > min(allowed, 0.2 * step):
+        worst = int(np.argmax(off))
+        rows = [i for i in range(first, len(text.lines)) if text.lines[i].strip()]
+        text.fail(
+            rows[worst], f"{(times[0] + worst * step) / scale:.6g} as the time: equal steps of {step / scale:.6g}"
+        )
+    return step
+
+
+def printed_resolution(number: str) -> float:
+    """Half of the last digit of a printed number, its exponent in it."""
+    mantissa, _, exponent = number.strip().lower().partition("e")
+    return decimals(mantissa) * 10.0 ** int(exponent or 0)
+
+
+def parse(text: TextFile, units: str | None = None, time_units: str | None = None) -> list[Record]:
+    """One record for each column but the first, which is time; units as arguments where the file states none."""
+    index = _first_line(text)
+    separator = _separator(text.lines[index])
+    headings = _headings(text, index, separator, units, time_units)
+    first = index if _is_numbers(text.lines[index]) else index + 1
+    table = _table(text, first, separator, len(headings))
+    if len(table) < 2:
+        text.fail(len(text.lines), "two samples or more")
+    scale = factor(headings[0][1], "time")
+    tokens = [line.split(separator)[0] for line in text.lines[first : first + 200] if line.strip()]
+    finest = min(tokens, key=printed_resolution)
+    step = _step(text, first, scale * table[:, 0], finest, scale)
+    records = []
+    for k, (name, unit) in enumerate(headings[1:], start=1):
+        azimuth, vertical = direction_of(name)
+        records.append(
+            Record(
+                step, factor(unit, "acceleration") * table[:, k], component=name, azimuth_deg=azimuth,
+                vertical=vertical, source=text.name, format=NAME, file_units=unit, sha256=text.sha256,
+            )
+        )  # fmt: skip
+    return records
+
+
+def write(path: str | Path, record: Record, *others: Record) -> None:
+    """Write records of one time step and length in m/s^2, to the last bit; ValueError if they differ."""
+    records = (record, *others)
+    for other in others:
+        same_sampling(record, other)
+    names = [re.sub(r"[\[\](),;\s\"]+", "_", r.component) or f"a_{k}" for k, r in enumerate(records, start=1)]
+    lines = [f"time [s],{','.join(f'{name} [m/s^2]' for name in names)}"]
+    columns = [record.times, *(r.acceleration for r in records)]
+    lines += [",".join(repr(float(v)) for v in row) for row in zip(*columns, strict=True)]
+    Path(path).write_text("\n".join([*lines, ""]), encoding="utf-8")

@@ -1,0 +1,133 @@
+"""DYNA 1.2 .ASC: the Engineering Strong Motion database (ESM), ITACA, and AFAD's Turkish archive.
+
+Source   ESM, description of the ASCII format DYNA 1.2: lines `KEY: value`, then one sample to a line;
+         SAMPLING_INTERVAL_S, NDATA, UNITS, DATA_TYPE and STREAM say what they are.
+Status   reads ESM's and AFAD's files; writes the keys that it needs to read.
+"""
+
+from __future__ import annotations
+
+import re
+from datetime import datetime
+from pathlib import Path
+
+import numpy as np
+
+from excitation.formats.text import TextFile, decimals
+from excitation.record import Record
+from excitation.units import factor, quantity_of
+
+NAME = "dyna"
+TITLE = "DYNA .ASC of ESM, ITACA and AFAD"
+_KEY = re.compile(r"^([A-Z][A-Z0-9_/^]*):(.*)$")
+_DATES = ("%Y%m%d_%H%M%S.%f", "%Y%m%d_%H%M%S", "%d/%m/%Y %H:%M:%S.%f", "%d/%m/%Y %H:%M:%S")
+
+
+def recognises(text: TextFile) -> bool:
+    """Whether the file begins with lines `KEY: value`, EVENT_NAME first."""
+    return text.lines[0].startswith("EVENT_NAME:")
+
+
+class _Header:
+    """Values by key, each with the line that it stands on."""
+
+    def __init__(self, text: TextFile) -> None:
+        self.text = text
+        self.values: dict[str, tuple[int, str]] = {}
+        self.size = 0
+        for i, line in enumerate(text.lines):
+            found = _KEY.match(line)
+            if found is None:
+                break
+            self.values[found.group(1)] = (i, found.group(2).strip())
+            self.size = i + 1
+
+    def need(self, key: str, wanted: str) -> tuple[int, str]:
+        """(line index, value) of a key that must be there."""
+        if key not in self.values:
+            self.text.fail(self.size, f"the header line {key}: {wanted}")
+        index, value = self.values[key]
+        if not value:
+            self.text.fail(index, f"{key}: {wanted}")
+        return index, value
+
+    def get(self, key: str) -> str:
+        """Value of a key, empty if it is not there."""
+        return self.values.get(key, (0, ""))[1]
+
+
+def _start_time(header: _Header) -> str:
+    value = header.get("DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS")
+    for form in _DATES:
+        try:
+            return datetime.strptime(value, form).isoformat()
+        except ValueError:
+            continue
+    if value:
+        index, _ = header.values["DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS"]
+        header.text.fail(index, "the time of the first sample as yyyymmdd_hhmmss or dd/mm/yyyy hh:mm:ss")
+    return ""
+
+
+def _check_peak(header: _Header, scale: float, values: np.ndarray) -> None:
+    if not header.get("PGA_CM/S^2"):
+        return
+    index, stated = header.values["PGA_CM/S^2"]
+    peak = header.text.number(index, stated, "the peak as a number [cm/s^2]")
+    found = 100.0 * scale * float(np.max(np.abs(values)))
+    header.text.check_peak(index, abs(peak), found, decimals(stated))
+
+
+def parse(text: TextFile) -> list[Record]:
+    """The one record of the file."""
+    header = _Header(text)
+    at, kind = header.need("DATA_TYPE", "ACCELERATION")
+    if kind.upper() != "ACCELERATION":
+        text.fail(at, "DATA_TYPE: ACCELERATION")
+    at, unit = header.need("UNITS", "a unit of acceleration")
+    if quantity_of(unit) != "acceleration":
+        text.fail(at, "UNITS: a unit of acceleration")
+    at, value = header.need("SAMPLING_INTERVAL_S", "the time step [s]")
+    step = text.positive(at, value, "SAMPLING_INTERVAL_S: the time step [s]")
+    at, value = header.need("NDATA", "the number of samples")
+    count = text.count(at, value, "NDATA: the number of samples, two or more")
+    values = text.counted(header.size, len(text.lines), count, at)
+    scale = factor(unit, "acceleration")
+    _check_peak(header, scale, values)
+    stream = header.get("STREAM")
+    azimuth = {"E": 90.0, "N": 0.0}.get(stream[-1:].upper())
+    network = header.get("NETWORK")
+    event = (header.get("EVENT_NAME"), header.get("EVENT_DATE_YYYYMMDD"), header.get("EVENT_TIME_HHMMSS"))
+    return [
+        Record(
+            step, scale * values, component=stream, azimuth_deg=azimuth, vertical=stream[-1:].upper() == "Z",
+            station=".".join(v for v in (network, header.get("STATION_CODE")) if v),
+            event=" ".join(v for v in event if v), start_time=_start_time(header), source=text.name, format=NAME,
+            file_units=unit, sha256=text.sha256, metadata={k: v for k, (_, v) in header.values.items() if v},
+        )
+    ]  # fmt: skip
+
+
+def write(path: str | Path, record: Record) -> None:
+    """Write a record in cm/s^2, nine digits."""
+    values = 100.0 * record.acceleration
+    peak = int(np.argmax(np.abs(values)))
+    stream = record.component
+    if not stream:
+        stream = "Z" if record.vertical else {0.0: "N", 90.0: "E"}.get(record.azimuth_deg or -1.0, "")
+    start = record.start_time and datetime.fromisoformat(record.start_time).strftime("%Y%m%d_%H%M%S.%f")
+    header = {
+        "EVENT_NAME": record.event,
+        "STATION_CODE": record.station,
+        "DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS": start,
+        "SAMPLING_INTERVAL_S": f"{record.time_step:.12g}",
+        "NDATA": str(values.size),
+        "STREAM": stream,
+        "UNITS": "cm/s^2",
+        "PGA_CM/S^2": f"{values[peak]:.6f}",
+        "TIME_PGA_S": f"{peak * record.time_step:.6f}",
+        "HEADER_FORMAT": "DYNA 1.2",
+        "DATA_TYPE": "ACCELERATION",
+    }
+    lines = [f"{key}: {str(value).replace(chr(10), ' ')}" for key, value in header.items()]
+    Path(path).write_text("\n".join([*lines, *(f"{v:.9g}" for v in values), ""]), encoding="utf-8")

@@ -1,0 +1,54 @@
+"""Every kind of motion once, for the tests that must hold for all of them."""
+
+import math
+
+import numpy as np
+import pytest
+
+import excitation as ex
+
+
+def _record(seed: int, size: int = 400) -> np.ndarray:
+    """Smooth noise that begins and ends at zero."""
+    t = np.linspace(0.0, 1.0, size)
+    rng = np.random.default_rng(seed)
+    waves = sum(rng.normal() * np.sin(2 * np.pi * k * t + rng.uniform(0, 6)) for k in range(2, 30))
+    return np.sin(np.pi * t) * waves
+
+
+MOTIONS = {
+    "ramped": ex.RampedSinusoid(2.0, 6.0, 6.0, imperfection=0.1, seed=3),
+    "ramped, held, tapered": ex.RampedSinusoid(2.0, 3.0, 6.0, hold=2.0, taper=1.0),
+    "steady": ex.SteadySinusoid(2.0, 4.0, 5.0, phase=0.4, taper_in=0.5, taper_out=1.0),
+    "steady, sudden": ex.SteadySinusoid(2.0, 4.0, 5.0),
+    "chirp": ex.Chirp(1.0, 4.0, 4.0, 5.0, taper_in=0.2, taper_out=0.2),
+    "chirp, logarithmic": ex.Chirp(4.0, 1.0, 4.0, 5.0, sweep="logarithmic"),
+    "rectangular": ex.RectangularPulse(5.0, 0.3, start=0.2),
+    "half sine": ex.HalfSinePulse(6.0, 0.6, start=0.2),
+    "one sine": ex.OneSinePulse(-6.0, 0.6, start=0.2),
+    "one cosine": ex.OneCosinePulse(6.0, 0.6, start=0.2),
+    "symmetric Ricker": ex.SymmetricRickerPulse(6.0, 0.6),
+    "antisymmetric Ricker": ex.AntisymmetricRickerPulse(6.0, 0.6),
+    "Mavroeidis-Papageorgiou": ex.MavroeidisPapageorgiouPulse(0.9, 1.2, 2.2, nu=math.pi / 3),
+    "Gabor": ex.GaborPulse(0.9, 1.2, 1.5, nu=0.3),
+    "sampled": ex.SampledMotion(0.01, 0.8 * _record(1), start=0.1),
+    "sampled, three": ex.SampledMotion(0.01, 0.8 * _record(1), 0.3 * _record(2), 0.002 * _record(3)),
+    "combined": ex.Combined(ex.RampedSinusoid(2.0, 6.0, 6.0), ex.OneSinePulse(2.0, 0.5, start=1.0)),
+    "combined with samples": ex.Combined(
+        ex.SampledMotion(0.01, 0.8 * _record(1), pitch=0.002 * _record(3)), ex.Chirp(1.0, 4.0, 1.0, 5.0)
+    ),
+    "piecewise linear": ex.PiecewiseLinear(0.01, 0.8 * _record(1), 0.3 * _record(2)),
+    "piecewise linear, horizontal": ex.PiecewiseLinear(0.01, 0.8 * _record(1)),
+}
+
+
+@pytest.fixture(params=MOTIONS, scope="session")
+def any_motion(request: pytest.FixtureRequest) -> ex.Motion:
+    """Each motion in turn."""
+    return MOTIONS[request.param]
+
+
+@pytest.fixture(scope="session")
+def motions() -> dict[str, ex.Motion]:
+    """All of them."""
+    return MOTIONS

@@ -1,0 +1,114 @@
+"""What must hold for every motion, whatever it is."""
+
+import json
+import subprocess
+import sys
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import excitation as ex
+
+T = np.linspace(-0.5, 7.0, 1501)
+
+
+def test_same_numbers_for_an_array_and_for_one_time_at_a_time(any_motion):
+    """Python floats in a namespace of plain scalars, as the readable solver calls it."""
+    from rocking import scalars
+
+    par = [float(v) for v in any_motion.parameters]
+    one_by_one = np.array([any_motion.kernel(scalars, t, par) for t in T.tolist()])
+    assert np.column_stack(any_motion(T)) == pytest.approx(one_by_one, rel=1e-13, abs=1e-13)
+    pitch = np.array([any_motion.pitch_kernel(scalars, t, par) for t in T.tolist()])
+    assert np.column_stack(any_motion.pitch(T)) == pytest.approx(pitch, rel=1e-13, abs=1e-13)
+
+
+def test_same_numbers_traced_by_jax(any_motion):
+    import jax
+
+    with jax.enable_x64(True):
+        par = jax.numpy.asarray(any_motion.parameters)
+        traced = jax.jit(lambda t, p: any_motion.kernel(jax.numpy, t, p))
+        assert np.array(traced(T, par)) == pytest.approx(np.array(any_motion(T)), rel=1e-11, abs=1e-11)
+        assert float(traced(0.731, par)[0]) == pytest.approx(float(any_motion(0.731)[0]), rel=1e-11, abs=1e-11)
+        each = jax.vmap(lambda t: any_motion.pitch_kernel(jax.numpy, t, par))(T)
+        assert np.array(each) == pytest.approx(np.array(any_motion.pitch(T)), rel=1e-11, abs=1e-11)
+
+
+def test_same_numbers_compiled_by_numba(any_motion):
+    from numba import types
+
+    from rocking.solvers.numba_compile import bound
+
+    signature = types.UniTuple(types.float64, 2)(types.float64, types.float64[::1])
+    for kernel, expected in (
+        (any_motion.kernel, any_motion(T)),
+        (any_motion.pitch_kernel, any_motion.pitch(T)),
+    ):
+        function = bound(kernel, 2, signature)
+        found = np.array([function(t, any_motion.parameters) for t in T.tolist()])
+        assert found == pytest.approx(np.column_stack(expected), rel=1e-12, abs=1e-12)
+
+
+def test_a_rocking_block_answers_alike_under_numba_and_scipy(any_motion):
+    """Two solvers that share the formula and nothing else; impact times to 1e-6 s, as their tolerances allow."""
+    import rocking
+
+    system = rocking.Method1(rocking.Block(b=0.15, h=0.5), g=9.81)
+    runs = [
+        rocking.solve(system, any_motion, t_end=2.5, solver=name, rtol=1e-9, atol=1e-12) for name in ("numba", "scipy")
+    ]
+    first = min(4, *(len(run.impact_times) for run in runs))
+    assert runs[0].impact_times[:first] == pytest.approx(runs[1].impact_times[:first], abs=1e-6)
+    assert runs[0].outcome == runs[1].outcome
+
+
+def test_breakpoints_ascend_and_the_motion_is_continuous_between_them(any_motion):
+    points = any_motion.breakpoints
+    assert list(points) == sorted(points)
+    edges = np.array([-0.4, *points, 7.0])
+    for a, b in pairwise(edges):
+        t = a + (b - a) * np.array([1e-9, 0.3, 0.7, 1.0 - 1e-9])
+        shift = 1e-8 * (b - a)
+        here, there = np.array(any_motion(t[1:3])), np.array(any_motion(t[1:3] + shift))
+        # Slopes stay below 1e4 m/s^3 in every motion here.
+        assert np.max(np.abs(here - there)) < 1e4 * shift
+
+
+def test_times_that_are_not_finite_are_refused_by_every_motion(any_motion):
+    for ask in (any_motion, any_motion.pitch):
+        with pytest.raises(ValueError, match="want finite times"):
+            ask([0.0, np.inf])
+
+
+def test_dataset_states_units_and_gives_the_motion_back(any_motion):
+    t = getattr(any_motion, "times", T)
+    ds = any_motion.to_xarray(t)
+    assert {name: ds[name].attrs["units"] for name in ds.variables} == {
+        "time": "s", "a_x": "m s-2", "a_z": "m s-2", "pitch": "rad", "pitch_acceleration": "rad s-2",
+    }  # fmt: skip
+    again = ex.from_xarray(ds)
+    middle = 0.5 * (t[1:] + t[:-1])
+    if isinstance(any_motion, ex.PiecewiseLinear | ex.Combined):  # samples alone do not say what lies between them
+        middle = t
+    assert np.array(again(middle)) == pytest.approx(np.array(any_motion(middle)), rel=1e-9, abs=1e-9)
+    whole = 1 if isinstance(any_motion, ex.Combined) else 2  # nor what its second derivative is
+    found, expected = (np.array(motion.pitch(t)[:whole]) for motion in (again, any_motion))
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
+
+
+def test_formula_comes_back_from_a_netcdf_file_as_the_same_object(tmp_path, motions):
+    import xarray as xr
+
+    for name, kind in ex.formulas().items():
+        motion = next(m for m in motions.values() if type(m) is kind)
+        motion.to_xarray(T).to_netcdf(tmp_path / f"{name}.nc")
+        with xr.open_dataset(tmp_path / f"{name}.nc") as ds:
+            assert ex.from_xarray(ds) == motion
+
+
+def test_importing_the_package_loads_numpy_alone():
+    code = "import json, sys; import excitation; print(json.dumps(sorted({m.split('.')[0] for m in sys.modules})))"
+    loaded = json.loads(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout)
+    assert not {"scipy", "xarray", "matplotlib", "obspy", "numba", "jax", "pandas"} & set(loaded)

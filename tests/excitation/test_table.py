@@ -1,0 +1,139 @@
+"""Tables: each departure by itself on a sine, where it has a closed form."""
+
+import math
+
+import numpy as np
+import pytest
+
+import excitation as ex
+
+F, STEP = 3.0, 0.002
+SINE = ex.SteadySinusoid(F, 2.0, 20.0, taper_in=4.0, taper_out=4.0)
+INNER = slice(3000, 7000)
+T = STEP * np.arange(10001)
+
+
+def shaken(**departures):
+    return ex.Table(**departures).shake(SINE, time_step=STEP, end=20.0)
+
+
+def wave(amplitude, harmonic=1, phase=0.0):
+    return amplitude * np.sin(2 * np.pi * harmonic * F * T + phase)[INNER]
+
+
+def test_a_perfect_table_does_what_it_is_told():
+    motion = shaken()
+    assert motion.a_x == pytest.approx(SINE(T)[0], abs=0.0)
+    assert motion.a_z is None and motion.pitch_angle is None
+
+
+def test_gain_and_phase_act_on_the_sine():
+    """Gain 0.8 and a lag of 0.5 rad between given frequencies of equal values."""
+    motion = shaken(frequencies=(0.0, 2.0, 4.0), gain=(0.8, 0.8, 0.8), phase=(0.0, -0.5, -0.5))
+    assert motion.a_x[INNER] == pytest.approx(wave(1.6, phase=-0.5), abs=1e-4)
+
+
+def test_a_second_order_table_has_the_textbook_response():
+    """H = 1/(1 - r^2 + 2 i z r) and a delay, at r = 3/12; the table of 401 frequencies is interpolated to 1e-4."""
+    z, r, delay = 0.6, F / 12.0, 0.01
+    table = ex.Table.second_order(12.0, z, delay)
+    response = 1 / (1 - r * r + 2j * z * r) * np.exp(-2j * np.pi * F * delay)
+    motion = table.shake(SINE, time_step=STEP, end=20.0)
+    assert motion.a_x[INNER] == pytest.approx(wave(2 * abs(response), phase=np.angle(response)), abs=1e-3)
+
+
+@pytest.mark.parametrize(("name", "harmonic"), [("second_harmonic", 2), ("third_harmonic", 3)])
+def test_harmonics_have_their_share_of_the_amplitude(name, harmonic):
+    """A cos(phi) with phi = 2 pi F t - pi/2 gives share A cos(k phi)."""
+    motion = shaken(**{name: 0.07})
+    added = motion.a_x[INNER] - wave(2.0)
+    expected = 0.07 * 2.0 * np.cos(harmonic * (2 * np.pi * F * T - np.pi / 2))[INNER]
+    assert added == pytest.approx(expected, abs=2e-4)
+
+
+def test_harmonics_follow_a_growing_amplitude():
+    ramp = ex.RampedSinusoid(F, 20.0, 4.0)
+    motion = ex.Table(third_harmonic=0.1).shake(ramp, time_step=STEP, end=20.0)
+    added = (motion.a_x - ramp(T)[0])[INNER]
+    expected = (0.1 * 4.0 * T / 20.0 * np.cos(3 * (2 * np.pi * F * T - np.pi / 2)))[INNER]
+    # The analytic signal of a ramp is off by the sudden end at 20 s, 6 s and eighteen cycles away.
+    assert added == pytest.approx(expected, abs=0.02)
+
+
+def test_cross_axis_motion_is_vertical():
+    motion = shaken(cross_axis=0.05, cross_axis_second_harmonic=0.02)
+    expected = 0.05 * wave(2.0) + 0.02 * 2.0 * np.cos(2 * (2 * np.pi * F * T - np.pi / 2))[INNER]
+    assert motion.a_z[INNER] == pytest.approx(expected, abs=1e-4)
+    assert np.array(motion(T[INNER]))[1] == pytest.approx(expected, abs=1e-4)
+
+
+def test_pitch_follows_acceleration_and_displacement():
+    """Of a sine the displacement is -a/w^2, and the pitch acceleration -w^2 times the pitch."""
+    w = 2 * np.pi * F
+    motion = shaken(pitch_per_acceleration=1e-4)
+    pitch, acceleration = motion.pitch(T[INNER])
+    assert pitch == pytest.approx(1e-4 * wave(2.0), abs=1e-8)
+    # The second derivative of a cubic spline is off by (w h)^2/12.
+    assert acceleration == pytest.approx(-(w**2) * 1e-4 * wave(2.0), abs=(w * STEP) ** 2 / 12 * w**2 * 2e-4 * 1.1)
+    displaced = shaken(pitch_per_displacement=0.3, displacement_corner=0.05)
+    assert displaced.pitch(T[INNER])[0] == pytest.approx(0.3 * wave(-2.0 / w**2), abs=0.3 * 2.0 / w**2 * 0.02)
+
+
+def test_envelope_wanders_by_the_stated_share():
+    motion = shaken(envelope_imperfection=0.1, envelope_period=4.0, seed=5)
+    told = SINE(T)[0]
+    ratio = motion.a_x[INNER][np.abs(told[INNER]) > 0.5] / told[INNER][np.abs(told[INNER]) > 0.5]
+    assert 0.02 < np.std(ratio) < 0.2
+    assert not np.array_equal(motion.a_x, shaken(envelope_imperfection=0.1, envelope_period=4.0, seed=6).a_x)
+
+
+def test_sensors_add_white_noise_of_the_stated_size():
+    """10001 samples: the standard deviation is known to 0.7 %, 3 % is four times it; neighbours are not correlated."""
+    table = ex.Table(cross_axis=0.05, noise=0.02, seed=3)
+    motion = table.shake(SINE, time_step=STEP, end=20.0)
+    horizontal, vertical = table.recorded(motion)
+    for record, truth in ((horizontal, motion.a_x), (vertical, motion.a_z)):
+        noise = record.acceleration - truth
+        assert np.std(noise) == pytest.approx(0.02, rel=0.03)
+        assert abs(np.corrcoef(noise[1:], noise[:-1])[0, 1]) < 0.05
+    assert vertical.vertical and not horizontal.vertical
+    again = table.recorded(motion)[0].acceleration
+    assert np.array_equal(again, horizontal.acceleration)
+
+
+def test_departures_can_be_taken_away_one_by_one():
+    table = ex.Table(second_harmonic=0.1, noise=0.1, frequencies=(1.0,), gain=(2.0,), phase=(0.0,))
+    assert table.without("second_harmonic", "noise", "gain") == ex.Table()
+    with pytest.raises(ValueError, match="name='colour': want one of frequencies"):
+        table.without("colour")
+
+
+def test_a_recorded_input_like_the_papers_can_be_made_and_read_again(tmp_path):
+    """A ramp of 3 Hz over 10 s on a table with everything wrong a little, recorded, written and used as a motion."""
+    table = ex.Table(second_harmonic=0.02, cross_axis=0.03, envelope_imperfection=0.05, noise=0.01, seed=1)
+    motion = table.shake(ex.RampedSinusoid(3.0, 10.0, 5.0), time_step=0.005, end=10.0)
+    horizontal, vertical = table.recorded(motion)
+    from excitation.formats import columns
+
+    columns.write(tmp_path / "recorded.csv", horizontal, vertical)
+    x, z = ex.read(tmp_path / "recorded.csv")
+    again = x.motion(z)
+    assert again.a_x == pytest.approx(motion.a_x, abs=0.06) and again.a_z == pytest.approx(motion.a_z, abs=0.06)
+    assert z.vertical
+
+
+@pytest.mark.parametrize(
+    ("departures", "message"),
+    [
+        ({"frequencies": (1.0,)}, "frequencies, gain, phase: have shapes"),
+        ({"frequencies": (2.0, 1.0), "gain": (1.0, 1.0), "phase": (0.0, 0.0)}, "want ascending from 0 on"),
+        ({"frequencies": (1.0,), "gain": (-1.0,), "phase": (0.0,)}, "gain=.*want zero or more"),
+        ({"second_harmonic": math.nan}, "second_harmonic=nan"),
+        ({"displacement_corner": 0.0}, r"displacement_corner=0\.0 Hz"),
+        ({"envelope_imperfection": 0.5}, r"envelope_imperfection=0\.5: want 0 to 0\.25"),
+        ({"noise": -1.0}, r"noise=-1\.0 m/s\^2"),
+    ],
+)
+def test_bad_argument_is_named_with_its_value(departures, message):
+    with pytest.raises(ValueError, match=message):
+        ex.Table(**departures)
