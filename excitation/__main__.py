@@ -77,7 +77,10 @@ def main(arguments: list[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         found = read(options.file, format=options.format, units=options.units, time_units=options.time_units)
-    except (OSError, ValueError) as error:
+    except OSError as error:
+        print(f"{options.file}: want a file that can be read ({error.strerror})", file=sys.stderr)
+        return 2
+    except ValueError as error:
         print(error, file=sys.stderr)
         return 2
     records = [without_offset(record) for record in found]
@@ -87,7 +90,11 @@ def main(arguments: list[str] | None = None) -> int:
         from excitation.plot import save
 
         picture = Path(f"{options.file.name}.png") if options.plot == Path() else options.plot
-        save(records, picture)
+        try:
+            save(records, picture)
+        except OSError as error:
+            print(f"--plot {picture}: want a file that can be written ({error.strerror})", file=sys.stderr)
+            return 2
         print(picture)
     return 0
 

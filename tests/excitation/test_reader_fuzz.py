@@ -212,7 +212,7 @@ def test_damaged_files_of_obspy_end_in_a_sentence_too(tmp_path, format, monkeypa
     [
         ("import os, signal; os.kill(os.getpid(), signal.SIGSEGV)", "made obspy's reader crash"),
         ("import time; time.sleep(60)", "obspy was not done with it after 0.5 s"),
-        ("raise MemoryError", "nor by obspy \\(MemoryError\\)"),
+        ("raise MemoryError", "nor in one that obspy reads"),
     ],
 )
 def test_a_crash_of_obspys_compiled_readers_does_not_crash_us(tmp_path, code, message, monkeypatch):
