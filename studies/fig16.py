@@ -304,7 +304,9 @@ def _parser() -> argparse.ArgumentParser:
         "--methods", nargs="+", default=list(METHODS), metavar="NAME", help=f"of {', '.join(METHODS)} (default: all)"
     )
     parser.add_argument(
-        "--solver", default="numba", help="solver of Methods 1 and 2: numba (default), scipy (a hundred times slower)"
+        "--solver",
+        default="numba",
+        help="solver of Methods 1 and 2: numba (default); exact knows linear Method 1 alone; scipy is slow",
     )
     parser.add_argument(
         "--blocks", nargs="+", default=list(DEFAULT_BLOCKS), metavar="N", help="numbers of Table 1 (default: 1 3 7)"

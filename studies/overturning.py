@@ -107,15 +107,14 @@ def system_of(method: str, block: Block, settings: Settings) -> System:
 
 
 def _analytic(method: str, block: Block, frequency: float, settings: Settings) -> Criterion:
+    motion = settings.motion(frequency)
     try:
-        system = system_of(method, block, settings)
+        run = solve(
+            system_of(method, block, settings), motion, t_end=settings.duration, solver=settings.solver,
+            rtol=settings.rtol, atol=settings.atol, save_at=(),
+        )  # fmt: skip
     except ValueError as refusal:
         return _no_criterion(f"declined: {refusal}")
-    motion = settings.motion(frequency)
-    run = solve(
-        system, motion, t_end=settings.duration, solver=settings.solver,
-        rtol=settings.rtol, atol=settings.atol, save_at=(),
-    )  # fmt: skip
     if run.outcome is Outcome.FAILED:
         return _no_criterion(f"failed: {run.reason}")
     if not run.overturned:

@@ -14,6 +14,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import diffrax
+import jax
 import jax.numpy as jnp
 from jax import lax
 
@@ -26,7 +27,7 @@ SHARE_TOLERANCE = 1e-10
 """Share of a step to which a zero is bracketed on the dense output; a true step makes it exact."""
 
 MAX_BRACKETINGS = 100
-"""The bracket halves at least every third time: ample for SHARE_TOLERANCE."""
+"""More than bisection alone would need for SHARE_TOLERANCE; a guard that is not finite ends here."""
 
 
 class WrittenOutDopri8(diffrax.Dopri8):
@@ -94,67 +95,79 @@ class Bracket(NamedTuple):
     high: Any
     at_high: Any
     unknown: Any  # whether at_low only stands for "positive"
+    moved: Any  # the end that moved last: -1 low, +1 high, 0 neither
     tries: Any
 
 
-def fall_through_zero(f: Callable[[Any], Any], wanted: Any, low: Any, high: Any, just_left: Any) -> Any:
-    """Share of the step in (low, high] at which f falls through zero (Illinois method); `high` if not wanted.
+def _narrower(f: Callable[[Any], Any], b: Bracket) -> Bracket:
+    """One evaluation more.  An end that stays twice running counts for half, so that it moves soon."""
+    secant = (b.low * b.at_high - b.high * b.at_low) / (b.at_high - b.at_low)
+    inside = ~b.unknown & (secant > b.low) & (secant < b.high)
+    x = jnp.where(inside, secant, 0.5 * (b.low + b.high))
+    value = f(x)
+    positive = value > 0.0
+    half_high = jnp.where(b.moved == -1, 0.5, 1.0)
+    half_low = jnp.where((b.moved == 1) & ~b.unknown, 0.5, 1.0)
+    return Bracket(
+        jnp.where(positive, x, b.low),
+        jnp.where(positive, value, half_low * b.at_low),
+        jnp.where(positive, b.high, x),
+        jnp.where(positive, half_high * b.at_high, value),
+        b.unknown & ~positive,
+        jnp.where(positive, -1, 1),
+        b.tries + 1,
+    )
 
-    f(low) is positive and f(high) is not; just_left: f(low) is zero because the mode began there, counts as positive.
+
+def fall_through_zero(
+    f: Callable[[Any], Any], wanted: Any, low: Any, at_low: Any, high: Any, at_high: Any, just_left: Any = False
+) -> Any:
+    """Share of the step in (low, high] at which f falls through zero (Illinois method); of no use if not wanted.
+
+    f(high) is not positive; just_left: f(low) is zero because the mode began there, and counts as positive.
     """
-    at_low = jnp.where(just_left, 1.0, f(low))
-    start = Bracket(low, at_low, high, f(high), just_left, 0)
+    just_left = jnp.asarray(just_left)
+    begin = Bracket(low, jnp.where(just_left, 1.0, at_low), high, at_high, just_left, 0, 0)
 
     def undecided(b: Bracket) -> Any:
         wide = (b.high - b.low > SHARE_TOLERANCE) & (b.tries < MAX_BRACKETINGS)
         return wanted & wide & (b.at_low > 0.0) & (b.at_high < 0.0)
 
-    def narrower(b: Bracket) -> Bracket:
-        middle = 0.5 * (b.low + b.high)
-        secant = (b.low * b.at_high - b.high * b.at_low) / (b.at_high - b.at_low)
-        x = jnp.where(b.unknown | ~((secant > b.low) & (secant < b.high)), middle, secant)
-        value = f(x)
-        positive = value > 0.0
-        halved_high = jnp.where(b.unknown, b.at_high, 0.5 * b.at_high)
-        halved_low = jnp.where(b.unknown, b.at_low, 0.5 * b.at_low)
-        return Bracket(
-            jnp.where(positive, x, b.low),
-            jnp.where(positive, value, halved_low),
-            jnp.where(positive, b.high, x),
-            jnp.where(positive, halved_high, value),
-            b.unknown & ~positive,
-            b.tries + 1,
-        )
-
-    end = lax.while_loop(undecided, narrower, start)
-    # A zero that already stands at the low end (which no earlier look saw below zero) is the event.
-    return jnp.where(wanted & (end.at_low <= 0.0), end.low, end.high)
+    end = lax.while_loop(undecided, lambda b: _narrower(f, b), begin)
+    # A zero that already stands at the low end, and was not seen below zero there, is where it falls.
+    return jnp.where(end.at_low > 0.0, end.high, jnp.maximum(end.low, SHARE_TOLERANCE))
 
 
-def first_guard(
-    guards: Callable[[Any, Any], Any], step: Attempt, search: Any, fresh: Any
-) -> tuple[Any, Any]:  # fmt: skip
+def first_guard(guards: Callable[[Any, Any], Any], now: Any, step: Attempt, search: Any, fresh: Any) -> tuple[Any, Any]:
     """(guard, share of the step) of the first guard to fall below zero within the step; guard -1 if none does.
 
-    `guards(t, y)`, shape (guard,), is looked at CHECKS_PER_STEP times; fresh: the mode begins with the step.
+    `guards(t, y)`, shape (guard,), are `now` at the start and looked at CHECKS_PER_STEP times; fresh: the mode begins
+    with the step.
     """
-    shares = jnp.arange(1, CHECKS_PER_STEP + 1) / CHECKS_PER_STEP
 
     def at_share(share: Any) -> Any:
         t = step.time(share)
         return guards(t, step.at(t))
 
-    looks = jnp.stack([at_share(share) for share in shares[:-1]] + [guards(step.t1, step.y1)])
-    below = looks < 0.0
-    seen = jnp.any(below, axis=1)
+    shares = jnp.arange(CHECKS_PER_STEP + 1) / CHECKS_PER_STEP
+    within = jax.vmap(at_share)(shares[1:-1])
+    looks = jnp.concatenate([now[None], within, guards(step.t1, step.y1)[None]])
+    seen = jnp.any(looks[1:] < 0.0, axis=1)
     found = search & jnp.any(seen)
     look = jnp.argmax(seen)
-    crossing = below[look]
-    high = shares[look]
+    crossing = looks[look + 1] < 0.0
 
-    def least(share: Any) -> Any:
-        return jnp.min(jnp.where(crossing, at_share(share), jnp.inf))
+    def least(values: Any) -> Any:
+        return jnp.min(jnp.where(crossing, values, jnp.inf))
 
-    share = fall_through_zero(least, found, high - 1.0 / CHECKS_PER_STEP, high, fresh & (look == 0))
+    share = fall_through_zero(
+        lambda share: least(at_share(share)),
+        found,
+        shares[look],
+        least(looks[look]),
+        shares[look + 1],
+        least(looks[look + 1]),
+        fresh & (look == 0),
+    )
     first = jnp.argmin(jnp.where(crossing, at_share(share), jnp.inf))
     return jnp.where(found, first, -1), share

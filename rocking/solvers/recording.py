@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -52,7 +51,7 @@ def trajectory(
     events: Events,
     max_events: int,
     statistics: dict[str, int],
-    peak: float = math.nan,
+    peak: float,
 ) -> Trajectory:
     """A Trajectory from what a solver has gathered; samples are (t, y, mode, s), span the times really covered.
 

@@ -153,9 +153,7 @@ def test_impacts_from_a_small_push_follow_the_geometric_series_to_rest(
 
 @pytest.mark.parametrize("form", ["nonlinear", "linear"])
 @pytest.mark.parametrize("a_z", [3.0, -4.0])
-def test_constant_vertical_acceleration_is_another_gravity(
-    slender: Block, window: Any, form: Any, a_z: float
-) -> None:
+def test_constant_vertical_acceleration_is_another_gravity(slender: Block, window: Any, form: Any, a_z: float) -> None:
     # Newton's law in the frame of the base: g + a_z takes the place of g, nothing else changes.
     push = (0.0, 1.5, 14.0, 0.3)
     with_a_z = window(0.1, 2.0, steady=(0.0, a_z), x=push)

@@ -29,9 +29,7 @@ def _derive() -> Any:
     x, z, theta = (sp.Function(name)(t) for name in ("x", "z", "theta"))
     q = [x, z, theta]
     X, Z = s * b / 2, -h / 2
-    corner = sp.Matrix(
-        [x + X * sp.cos(theta) + Z * sp.sin(theta), z - X * sp.sin(theta) + Z * sp.cos(theta)]
-    )
+    corner = sp.Matrix([x + X * sp.cos(theta) + Z * sp.sin(theta), z - X * sp.sin(theta) + Z * sp.cos(theta)])
     rho2 = (b**2 + h**2) / 12
     speed2 = x.diff(t) ** 2 + z.diff(t) ** 2
     lagrangian = speed2 / 2 + rho2 * theta.diff(t) ** 2 / 2 - G * z - a_x * x
@@ -122,13 +120,9 @@ def test_motion_in_each_mode_obeys_newtons_law(
 
 # Both corners down: Newton's law along the floor is u' = F - a_x with F = -slip mu N and N = g + a_z.
 @given(slip=signs, s=signs, u=st.floats(-2.0, 2.0), base=bases, mu=st.floats(0.0, 0.5))
-def test_a_block_slides_upright_under_coulombs_friction(
-    slip: float, s: float, u: float, base: Base, mu: float
-) -> None:
+def test_a_block_slides_upright_under_coulombs_friction(slip: float, s: float, u: float, base: Base, mu: float) -> None:
     system = model(0.5, 1.0, mu)
-    rates = system.flow(
-        scalars, (0.3, 0.0, 0.0, u, 0.0, 0.0), Discrete(Mode.SLIDE, s, slip), base, system.parameters
-    )
+    rates = system.flow(scalars, (0.3, 0.0, 0.0, u, 0.0, 0.0), Discrete(Mode.SLIDE, s, slip), base, system.parameters)
     expected = (u, 0.0, 0.0, -slip * mu * (G0 + base.a_z) - base.a_x, 0.0, 0.0)
     np.testing.assert_allclose(rates, expected, rtol=1e-14, atol=1e-14)
 

@@ -228,9 +228,7 @@ def test_infinite_friction_never_slips_where_a_finite_one_does(slender: Block, w
 
 # Newton: where g + a_z < 0 the floor leaves the block, which then flies with z'' = -(g + a_z) relative to it.
 @SOLVERS
-def test_a_floor_that_falls_faster_than_g_leaves_the_block_in_the_air(
-    slender: Block, window: Any, solver: str
-) -> None:
+def test_a_floor_that_falls_faster_than_g_leaves_the_block_in_the_air(slender: Block, window: Any, solver: str) -> None:
     drop = 3.0
     motion = window(0.2, 0.4, z=(-(G + drop), 0.0, 0.0, 0.0))
     run = solve(Method2(slender, friction=0.5, g=G), motion, t_end=1.0, solver=solver)

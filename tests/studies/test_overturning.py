@@ -74,3 +74,14 @@ def test_solvers_give_the_same_criterion():
     fast = overturning("method1", specimen(3), 1.0, SETTINGS)
     reference = overturning("method1", specimen(3), 1.0, replace(SETTINGS, solver="scipy"))
     assert fast.amplitude == pytest.approx(reference.amplitude, rel=1e-6)
+
+
+def test_a_solver_that_declines_is_said_with_its_sentence():
+    found = overturning("method2", specimen(3), 3.0, replace(SETTINGS, solver="exact"))
+    assert math.isnan(found.amplitude)
+    assert found.note.startswith("declined: solver='exact' declines: it carries the linear Method 1 alone")
+
+
+def test_closed_form_gives_the_same_criterion_as_the_integrator():
+    exact = overturning("method1", specimen(3), 1.0, replace(SETTINGS, solver="exact"))
+    assert exact.amplitude == pytest.approx(overturning("method1", specimen(3), 1.0, SETTINGS).amplitude, rel=1e-6)

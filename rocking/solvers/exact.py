@@ -1,0 +1,145 @@
+"""The linear Method 1 in closed form between impacts: nothing is integrated, impacts are located to rounding.
+
+For base motions with a closed form, which say so by one of two attributes:
+
+- `ramped_sine`: (omega [rad/s], phase [rad], rate [m/s^3], duration [s]) or None; a_x = rate t sin(omega t + phase)
+  from 0 to duration, else 0, and a_z = 0;
+- `piecewise_linear`: (t_first [s], dt [s], values [m/s^2] of shape (sample,)) or None; a_x runs straight from sample to
+  sample, is 0 before the first and after the last, and a_z = 0;
+
+and for a base at rest.  Many runs at a time: `rocking.solvers.exact_batch`.
+
+Source   Winkler, Meguro & Yamazaki (1995), eqs (1)-(4); the closed forms are derived in `rocking.solvers.exact_kernel`.
+Status   tolerances have nothing to act on here; the error is that of rounding, which each impact multiplies as it does
+         any difference between two runs.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocking.hybrid import REST, ROTATION, Discrete, System
+from rocking.method1 import Method1
+from rocking.motion import BaseMotion, Still
+from rocking.solvers.recording import trajectory
+from rocking.trajectory import Events, Trajectory
+
+Array = NDArray[np.float64]
+
+FIRST_ROOM = 1024
+"""Events for which a run has room at first; one with more is run again."""
+
+
+def ramped_sine(motion: Any) -> Array | None:
+    """(omega, phase, rate, duration) of a motion that is a ramped sine, else None.
+
+    Raises:
+        ValueError: the motion gives numbers that are not finite, or a duration that is not positive.
+    """
+    wave = getattr(motion, "ramped_sine", None)
+    if wave is None:
+        return None
+    omega, phase, rate, duration = (float(number) for number in wave)
+    if not (np.all(np.isfinite([omega, phase, rate, duration])) and duration > 0.0):
+        raise ValueError(f"ramped_sine={tuple(wave)!r}: want finite numbers and a positive duration")
+    return np.array([omega, phase, rate, duration])
+
+
+def piecewise_linear(motion: Any) -> tuple[Array, Array] | None:
+    """((t_first, dt), values) of a motion that is straight between equally spaced samples, else None.
+
+    Raises:
+        ValueError: the motion gives numbers that are not finite, an interval that is not positive, or no sample.
+    """
+    if isinstance(motion, Still):
+        return np.array([math.inf, 1.0]), np.zeros(1)
+    record = getattr(motion, "piecewise_linear", None)
+    if record is None:
+        return None
+    t_first, dt, values = float(record[0]), float(record[1]), np.ascontiguousarray(record[2], dtype=np.float64)
+    if not (math.isfinite(t_first) and math.isfinite(dt) and dt > 0.0):
+        raise ValueError(f"piecewise_linear: t_first={t_first!r} s, dt={dt!r} s: want finite and dt positive")
+    if values.ndim != 1 or values.size == 0 or not np.all(np.isfinite(values)):
+        raise ValueError("piecewise_linear: want finite values of shape (sample,), one sample or more")
+    return np.array([t_first, dt]), values
+
+
+class Exact:
+    """Closed form between located impacts, for the linear Method 1."""
+
+    name = "exact"
+
+    def declines(self, system: System, motion: BaseMotion) -> str | None:
+        """A sentence for anything but the linear Method 1 over a base with a closed form; None for that."""
+        if not isinstance(system, Method1):
+            return f"it carries the linear Method 1 alone, not {system.name!r}"
+        if system.form != "linear":
+            return "it carries the linear Method 1; the nonlinear form has no closed form"
+        if ramped_sine(motion) is None and piecewise_linear(motion) is None:
+            return (
+                f"{type(motion).__name__} has no closed form that it knows: neither a ramped sine nor straight between "
+                "equally spaced samples (attributes ramped_sine, piecewise_linear)"
+            )
+        return None
+
+    def solve(
+        self,
+        system: System,
+        motion: BaseMotion,
+        y0: tuple[float, ...],
+        q0: Discrete,
+        t_span: tuple[float, float],
+        *,
+        rtol: float,
+        atol: float,
+        save_at: NDArray[np.float64],
+        max_events: int,
+    ) -> Trajectory:
+        """The trajectory from t_span[0] to the fall or t_span[1]; rtol and atol have nothing to act on."""
+        if int(q0.mode) not in (REST, ROTATION):
+            raise ValueError(f"initial: mode {int(q0.mode)} is none of Method 1's; want {REST} or {ROTATION}")
+        s = float(q0.s)
+        start = np.array([float(q0.mode), s, s * y0[0], s * y0[1], *t_span])
+        tally, last_mode, log = _run(system, motion, start, np.ascontiguousarray(save_at, np.float64), max_events)
+        saved, events = int(tally.saved), int(tally.events)
+        code = log.event_code[:events]
+        return trajectory(
+            system,
+            motion,
+            self.name,
+            int(tally.status),
+            (t_span[0], float(tally.end)),
+            int(q0.mode),
+            int(last_mode),
+            (save_at[:saved], log.y[:saved], log.mode[:saved], log.s[:saved]),
+            Events(
+                log.event_t[:events], code[:, 0], code[:, 1], code[:, 2], log.event_s[:events],
+                log.event_y[:events, 0], log.event_y[:events, 1],
+            ),
+            max_events,
+            {"events": events},
+            tally.peak,
+        )  # fmt: skip
+
+
+def _run(system: System, motion: BaseMotion, start: Array, save_at: Array, max_events: int) -> Any:
+    """(tally, last mode, log) of one run, with room for all of its events."""
+    from rocking.solvers.exact_entry import entry, named
+
+    wave = ramped_sine(motion)
+    record = None if wave is not None else piecewise_linear(motion)
+    par = np.array([float(number) for number in system.parameters])
+    room = FIRST_ROOM
+    while True:
+        if record is not None:
+            tally, last_mode, log = entry("single_record")(par, *record, start, save_at, max_events, room)
+        else:
+            tally, last_mode, log = entry("single_sine")(par, wave, start, save_at, max_events, room)
+        sums = named(tally)
+        if sums.events <= room:
+            return sums, last_mode, log
+        room = int(sums.events)
