@@ -51,6 +51,7 @@ def simulate(
     kn: float = 1.98e7,
     ks: float = 1.98e7,
     onset: str = "overlap",
+    coulomb: str = "total",
     x0: float = 0.0,
     gap0: float | None = None,
     theta0: float = 0.0,
@@ -71,6 +72,7 @@ def simulate(
     kn, ks: stiffness of a corner, normal and shear [N/m]
     onset: 'overlap': F_n of a new contact is kn times the overlap, and slip and dashpots count from the touching;
         'incremental': forces grow by the whole step that finds the contact, as in the paper
+    coulomb: 'total': friction reaches mu times spring and dashpot together; 'spring': mu times the spring's force
     x0, theta0, vx0, vz0, omega0: centroid to the right of the base's middle [m], tilt [rad] and velocities relative
         to the base [m/s, rad/s] at t = 0
     gap0: lowest corner above the floor [m], negative pressed in; None presses the lowest corners in by the weight
@@ -90,6 +92,8 @@ def simulate(
         raise ValueError(f"mu={mu}: want a friction coefficient from 0 to math.inf")
     if onset not in ("overlap", "incremental"):
         raise ValueError(f"onset={onset!r}: want 'overlap' or 'incremental'")
+    if coulomb not in ("total", "spring"):
+        raise ValueError(f"coulomb={coulomb!r}: want 'total' or 'spring'")
     _check_start(x0, theta0, vx0, vz0, omega0)
     limit = critical_step(scene, kn, ks, c)
     if dt >= limit:
@@ -102,8 +106,8 @@ def simulate(
     start = _Start(x0, _initial_height(scene, theta0, gap0, kn, g), theta0, vx0, vz0, omega0)
     settings: dict[str, float | str] = {
         "dt": dt, "t_end": t_end, "kn": kn, "ks": ks, "damping": c, "damping_ratio": c / (2.0 * math.sqrt(kn * mass)),
-        "mu": mu, "g": g, "onset": onset, "x0": x0, "z0": start.z, "theta0": theta0, "vx0": vx0, "vz0": vz0,
-        "omega0": omega0, "save_every": int(save_every),
+        "mu": mu, "g": g, "onset": onset, "coulomb": coulomb, "x0": x0, "z0": start.z, "theta0": theta0, "vx0": vx0,
+        "vz0": vz0, "omega0": omega0, "save_every": int(save_every),
     }  # fmt: skip
     return _Run(scene, start, settings, last_step).through(motion, progress)
 
@@ -117,7 +121,7 @@ class _Run:
         self.step, self.scene, self.settings = step, scene, settings
         self.dt, self.save_every, self.last_step = float(settings["dt"]), int(settings["save_every"]), last_step
         kn, ks, c, mu, g = (float(settings[name]) for name in ("kn", "ks", "damping", "mu", "g"))
-        self.law = contact_law.Law(kn, ks, c, mu, settings["onset"] == "overlap")
+        self.law = contact_law.Law(kn, ks, c, mu, settings["onset"] == "overlap", settings["coulomb"] == "spring")
         mass, inertia = scene.mass, scene.inertia
         self.body = step.Body(mass, inertia, 1.0 / mass, 1.0 / inertia, shape.radius, g, *shape.theta_c)
         self.corners = np.array(shape.corners)

@@ -116,7 +116,7 @@ def press_corner(kept, i, law, overlap, approach, slip, v_n, v_t, first):
                 part = overlap / approach
                 trial, acting = -law.ks * slip * part, 0.5 + part  # the force acts until half a step from now
         normal = normal_total(fn, v_n * acting, law)
-        limit = friction_limit(normal, law)
+        limit = friction_limit(fn, normal, law)
         fs = clipped(trial, limit)
         slides = abs(trial) > limit
         shear = shear_total(fs, v_t * acting, limit, slides, law)

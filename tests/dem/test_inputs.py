@@ -28,6 +28,7 @@ GOOD = {"t_end": 0.01, "mu": 0.5, "damping_ratio": 0.1, "dt": 1e-5}
         ({"damping_ratio": -0.1}, "^damping_ratio=-0.1 .*: want a finite number, at least 0"),
         ({"damping_ratio": None, "damping": math.inf}, "^damping=inf"),
         ({"onset": "late"}, "^onset='late': want 'overlap' or 'incremental'"),
+        ({"coulomb": "sum"}, "^coulomb='sum': want 'total' or 'spring'"),
         ({"theta0": 1.6}, "^theta0=1.6 rad"),
         ({"theta0": math.nan}, "^theta0=nan"),
         ({"gap0": math.inf}, "^gap0=inf"),
