@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from rocking.hybrid import REST, Discrete, System
 from rocking.motion import BaseMotion
 from rocking.solvers.numba_compile import compiled
-from rocking.solvers.numba_events import motion_function, system_functions
+from rocking.solvers.numba_functions import motion_function, system_functions
 from rocking.solvers.recording import FELL, REACHED_END, segment_edges
 from rocking.trajectory import BALANCE
 

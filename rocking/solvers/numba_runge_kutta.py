@@ -86,8 +86,8 @@ def error_norm(y, y_new, h, k, rtol, atol):
 def dense(y, h, x, k, out):
     """State at the share x of the step into `out`."""
     for j in range(y.size):
-        out[j] = y[j]
-    for i in range(STAGES):
-        weight = h * x * (P[i, 0] + x * (P[i, 1] + x * (P[i, 2] + x * P[i, 3])))
-        for j in range(y.size):
-            out[j] += weight * k[i, j]
+        total = 0.0
+        for i in range(STAGES):
+            weight = x * (P[i, 0] + x * (P[i, 1] + x * (P[i, 2] + x * P[i, 3])))
+            total += weight * k[i, j]
+        out[j] = y[j] + h * total
