@@ -1,6 +1,11 @@
 """Every kind of motion once, for the tests that must hold for all of them."""
 
+import importlib
+import importlib.util
 import math
+import sys
+from importlib.metadata import version
+from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
@@ -52,3 +57,13 @@ def any_motion(request: pytest.FixtureRequest) -> ex.Motion:
 def motions() -> dict[str, ex.Motion]:
     """All of them."""
     return MOTIONS
+
+
+@pytest.fixture
+def pyrotd(monkeypatch):
+    """The module pyrotd, which asks a part of setuptools that newer ones no longer have for its own version."""
+    if importlib.util.find_spec("pkg_resources") is None:
+        stand_in = ModuleType("pkg_resources")
+        stand_in.get_distribution = lambda name: SimpleNamespace(version=version(name))
+        monkeypatch.setitem(sys.modules, "pkg_resources", stand_in)
+    return importlib.import_module("pyrotd")

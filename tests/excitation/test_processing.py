@@ -68,11 +68,9 @@ def padded(record, zeros=6000):
 
 
 @pytest.mark.parametrize("damping", [0.02, 0.05, 0.2])
-def test_response_spectrum_is_that_of_pyrotd(quake, damping):
+def test_response_spectrum_is_that_of_pyrotd(pyrotd, quake, damping):
     """It works by Fourier transform, with a band-limited record between the samples, ours with straight lines: at 20
     samples a period and more these differ by a per cent.  Zeros behind keep its response from coming round again."""
-    import pyrotd
-
     pyrotd.processes = 1
     periods = np.array([0.3, 0.5, 1.0, 2.0])
     theirs = pyrotd.calc_spec_accels(quake.time_step, padded(quake), 1 / periods, damping)
@@ -80,9 +78,7 @@ def test_response_spectrum_is_that_of_pyrotd(quake, damping):
     assert ours.pseudo_acceleration == pytest.approx(theirs.spec_accel, rel=0.012)
 
 
-def test_rotd_is_that_of_pyrotd(pair):
-    import pyrotd
-
+def test_rotd_is_that_of_pyrotd(pyrotd, pair):
     pyrotd.processes = 1
     periods, nn = np.array([0.3, 0.5, 1.0, 2.0]), [0, 50, 100]
     theirs = pyrotd.calc_rotated_spec_accels(
