@@ -220,6 +220,7 @@ def _choices(plan: Plan) -> dict[str, Any]:
     """How each parameter was chosen, for the attributes."""
     s = plan.settings
     housner = s.restitution is None
+    law = s.impact_law if housner or s.impact_law != "frictional" else "two_corner"
     text = {
         "ramp_choice": (
             f"linear envelope to {s.ramp:.6g} m/s^2 in {s.duration:g} s, one for all runs; the paper prints about 90 s "
@@ -238,7 +239,7 @@ def _choices(plan: Plan) -> dict[str, Any]:
         + "; the paper fitted it to a free vibration and does not print it",
         "impact_choice": (
             f"Method 2: normal restitution {s.normal_restitution:g}, tangential {s.tangential_restitution:g}, law "
-            f"{s.impact_law if housner else 'two_corner'}; the paper prints none of them"
+            f"{law}; the paper prints none of them"
         ),
         "method1_choice": f"{s.form} equations (as eqs (2) and (3) are printed: linear), start of rocking by eq. (1)",
         "parameter_sensitivity": f"variable varied_amplitude, on Block {plan.sensitivity_block}",

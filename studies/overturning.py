@@ -95,7 +95,9 @@ def system_of(method: str, block: Block, settings: Settings) -> System:
     """
     if method == "method1":
         return Method1(block, restitution=settings.restitution, form=settings.form)
-    law: ImpactLaw = settings.impact_law if settings.restitution is None else "two_corner"
+    # The two-corner law is the frictional one with rocking impacts of a given restitution; another law has none.
+    given = settings.restitution is not None and settings.impact_law == "frictional"
+    law: ImpactLaw = "two_corner" if given else settings.impact_law
     return Method2(
         block,
         friction=settings.friction,

@@ -85,3 +85,10 @@ def test_a_solver_that_declines_is_said_with_its_sentence():
 def test_closed_form_gives_the_same_criterion_as_the_integrator():
     exact = overturning("method1", specimen(3), 1.0, replace(SETTINGS, solver="exact"))
     assert exact.amplitude == pytest.approx(overturning("method1", specimen(3), 1.0, SETTINGS).amplitude, rel=1e-6)
+
+
+def test_a_given_restitution_is_never_computed_under_another_law_than_asked_for():
+    settings = replace(SETTINGS, restitution=0.9, normal_restitution=0.3, impact_law="kinematic")
+    found = overturning("method2", specimen(3), 3.0, settings)
+    assert math.isnan(found.amplitude)
+    assert found.note.startswith("declined: restitution=0.9: want impact_law='two_corner' with it, not 'kinematic'")
