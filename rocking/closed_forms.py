@@ -151,7 +151,7 @@ def half_sine_pulse(ratio: float) -> float:
 def full_sine_pulse(ratio: float) -> float:
     """Amplitude of a one-cycle sine at which a block overturns without an impact, over g alpha [1].
 
-    After Zhang & Makris (2001); overturning after an impact may need less.
+    After Zhang & Makris (2001); overturning after an impact may need less (`rocking.pulse_overturning`).
 
     Args:
         ratio: angular frequency of the sine over p [1].
@@ -159,10 +159,28 @@ def full_sine_pulse(ratio: float) -> float:
     return _sine_pulse(ratio, 2)
 
 
+def full_cosine_pulse(ratio: float) -> float:
+    """Amplitude of a one-cycle cosine at which a block overturns without an impact, over g alpha [1].
+
+        (1 + ratio^2) / (1 - exp(-2 pi/ratio))
+
+    After Zhang & Makris (2001): the block leans at once, and x + x' = 1 at the end of the pulse; up to there
+    x = 1 - c cos(ratio tau) + (c - 1) cosh(tau), c = 1/(1 - exp(-2 pi/ratio)), is nowhere below zero.  Overturning
+    after an impact may need less (`rocking.pulse_overturning`).
+
+    Args:
+        ratio: angular frequency of the cosine over p [1].
+    """
+    positive("frequency ratio", ratio, "1")
+    return -(1.0 + ratio * ratio) / math.expm1(-2.0 * math.pi / ratio)
+
+
 def ishiyama_velocity(block: Block, g: float = G_STANDARD) -> float:
     """Lower limit of the peak base velocity [m/s] that overturns, 0.4 sqrt(8 g R (1 - cos alpha) / 3) / cos alpha.
 
-    Ishiyama (1982); close to 10 b / sqrt(h) in cm/s with b and h in cm.
+    Ishiyama (1982); close to 10 b / sqrt(h) in cm/s with b and h in cm.  The velocity is that of a shock that
+    overturns, times 0.4, his lower bound of what simulated motions of longer duration needed: a rule, not a theorem.
+    His limit of the peak acceleration is that of the start of rocking, `west_acceleration`.
     """
     positive("g", g, "m/s^2")
     return 0.4 * math.sqrt(8.0 * g * block.R * (1.0 - math.cos(block.alpha)) / 3.0) / math.cos(block.alpha)

@@ -1,13 +1,19 @@
 """Closed forms against integrations written out here and against published numbers."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from rocking import Block
+from excitation import HalfSinePulse, OneCosinePulse, OneSinePulse, RectangularPulse, SteadySinusoid
+from rocking import Block, Method1, Method2, solve, solve_batch
 from rocking import closed_forms as cf
+from rocking.pulse_overturning import one_impact_band
+
+G = 9.81
+BLOCK = Block(0.2, 0.8)
 
 # A = a_peak / (g alpha) for omega/p = 1, 2, 4, 8: obtained by integrating the linear equation with located onset
 # (DOP853, 1e-12) and bisecting on the amplitude, independently of the formula; five digits kept.
@@ -104,6 +110,102 @@ def test_west_acceleration():
     assert cf.west_acceleration(0.3, 1.0, a_z=-4.905, g=9.81) == pytest.approx(1.4715, rel=1e-12)
 
 
+def falls(pulse, ratio, A, e=0.9):
+    """How a run of the linear Method 1 under one pulse of A g alpha ends: (impacts before the fall or None, side).
+
+    The pulse's period is that of the closed forms: omega = ratio p, or its duration ratio/p if it is rectangular.
+    """
+    p = BLOCK.p(G)
+    period = ratio / p if pulse is RectangularPulse else 2.0 * math.pi / (ratio * p)
+    system = Method1(BLOCK, form="linear", onset="linear", restitution=e, g=G)
+    # Within 1e-6 of the limit a block takes ln(1e6)/p longer; thirty of 1/p are enough for it to fall or come back.
+    run = solve(system, pulse(A * G * BLOCK.alpha, period), t_end=period + 30.0 / p, rtol=1e-12, atol=1e-15, save_at=())
+    return (len(run.impact_times), run.side) if run.overturned else None
+
+
+@pytest.mark.parametrize("ratio", [0.7, 2.0, 5.0])
+@pytest.mark.parametrize(
+    ("pulse", "limit"),
+    [
+        (RectangularPulse, lambda ratio: cf.rectangular_pulse(ratio / BLOCK.p(G), BLOCK.p(G))),
+        (HalfSinePulse, cf.half_sine_pulse),
+        (OneSinePulse, cf.full_sine_pulse),
+        (OneCosinePulse, cf.full_cosine_pulse),
+    ],
+)
+def test_a_run_falls_without_an_impact_from_the_closed_amplitude_on(pulse, limit, ratio):
+    # A base that accelerates to +x tips the block to -x.
+    assert falls(pulse, ratio, limit(ratio) * (1.0 + 1e-7)) == (0, -1)
+    below = falls(pulse, ratio, limit(ratio) * (1.0 - 1e-7))
+    assert below is None or below[0] > 0
+
+
+@pytest.mark.parametrize("ratio", [0.5, 1.0, 2.0, 4.0, 8.0])
+def test_full_cosine_pulse_is_the_threshold_of_the_equation(ratio):
+    """x'' = x - 1 + A cos(ratio tau) over one cycle, written out; free then: x + x' > 1 falls."""
+    A = cf.full_cosine_pulse(ratio)
+    for beyond in (1e-7, -1e-7):
+        run = solve_ivp(
+            lambda tau, y, A=A * (1.0 + beyond): [y[1], y[0] - 1.0 + A * math.cos(ratio * tau)],
+            (0.0, 2.0 * math.pi / ratio), [0.0, 0.0], "DOP853", rtol=1e-12, atol=1e-14, dense_output=True,
+        )  # fmt: skip
+        assert (run.y[:, -1].sum() > 1.0) == (beyond > 0.0)
+        assert run.sol(np.linspace(1e-3, run.t[-1], 2000))[0].min() > 0.0  # no impact on the way
+
+
+# Both ends of the band after one impact.  The upper one of a sine at ratio 2 and 3 is of impacts after the pulse.
+@pytest.mark.parametrize("e", [0.75, 0.9])
+@pytest.mark.parametrize(
+    ("pulse", "motion", "ratio"),
+    [("sine", OneSinePulse, 1.0), ("sine", OneSinePulse, 2.0), ("sine", OneSinePulse, 3.0),
+     ("cosine", OneCosinePulse, 2.0), ("cosine", OneCosinePulse, 3.0)],
+)  # fmt: skip
+def test_a_run_falls_after_one_impact_within_the_band_and_not_outside(pulse, motion, ratio, e):
+    band = one_impact_band(ratio, e, pulse)
+    assert band is not None
+    for edge, inward in ((band.low, 1e-7), (band.high, -1e-7)):
+        assert falls(motion, ratio, edge * (1.0 + inward), e) == (1, 1)
+        assert falls(motion, ratio, edge * (1.0 - inward), e) in (None, (2, -1), (3, 1))
+
+
+# Where the closed form finds no band, runs at 300 amplitudes below that of overturning without an impact stay up.
+@pytest.mark.parametrize(
+    ("pulse", "motion", "ratio", "e", "top"),
+    [("sine", OneSinePulse, 8.0, 0.9, 14.87), ("sine", OneSinePulse, 4.0, 0.75, 5.238),
+     ("cosine", OneCosinePulse, 5.0, 0.9, 36.3)],
+)  # fmt: skip
+def test_a_fast_pulse_or_a_lossy_impact_leaves_no_band(pulse, motion, ratio, e, top):
+    assert one_impact_band(ratio, e, pulse) is None
+    period = 2.0 * math.pi / (ratio * BLOCK.p(G))
+    system = Method1(BLOCK, form="linear", onset="linear", restitution=e, g=G)
+    motions = [motion(A * G * BLOCK.alpha, period) for A in np.linspace(1.001, top, 300)]
+    assert not solve_batch(system, motions, t_end=period + 30.0 / BLOCK.p(G)).overturned.any()
+
+
+def test_the_band_widens_with_the_restitution():
+    bands = [one_impact_band(3.0, e) for e in (0.8, 0.85, 0.9, 0.95)]
+    for narrow, wide in pairwise(bands):
+        assert wide.low < narrow.low
+        assert narrow.high < wide.high
+
+
+# Ishiyama (1982): what overturns had at least (b/h) g and his velocity.  Trains of one to ten cycles of a sine at 0.3
+# to 6 Hz; their peak velocity, from rest, is 2 a/omega.  Slow ones come near the first limit; the second is far off.
+@pytest.mark.parametrize("cycles", [1, 10])
+@pytest.mark.parametrize("system", [Method1(Block(0.15, 0.6), g=G), Method2(Block(0.15, 0.6), friction=0.4, g=G)])
+def test_no_sine_train_overturns_below_ishiyamas_limits(system, cycles):
+    frequency, amplitude = (
+        axis.ravel() for axis in np.meshgrid(np.geomspace(0.3, 6.0, 16), 0.25 * G * np.geomspace(1.0, 10.0, 40))
+    )
+    trains = [SteadySinusoid(f, a, cycles / f) for f, a in zip(frequency, amplitude, strict=True)]
+    fell = solve_batch(system, trains, t_end=cycles / 0.3 + 4.0).overturned
+    assert 300 < fell.sum() < 600
+    acceleration = amplitude[fell] / cf.west_acceleration(0.15, 0.6, g=G)
+    velocity = amplitude[fell] / (math.pi * frequency[fell]) / cf.ishiyama_velocity(Block(0.15, 0.6), G)
+    assert 1.0 < acceleration.min() < 1.1
+    assert 1.0 < velocity.min() < 3.0
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
@@ -116,6 +218,10 @@ def test_west_acceleration():
         (lambda: cf.zeno_time(1e-3, 0.3, 3.0, 1.0), r"e=1\.0: want 0 to below 1"),
         (lambda: cf.rectangular_pulse(0.0, 3.0), r"duration=0\.0 s"),
         (lambda: cf.half_sine_pulse(math.nan), r"frequency ratio=nan 1"),
+        (lambda: cf.full_cosine_pulse(-1.0), r"frequency ratio=-1\.0 1"),
+        (lambda: one_impact_band(0.1, 0.9), r"ratio=0\.1: want 0\.2 to inf"),
+        (lambda: one_impact_band(2.0, 1.1), r"e=1\.1: want 0 to 1"),
+        (lambda: one_impact_band(2.0, 0.9, "square"), r"pulse='square': want 'sine' or 'cosine'"),
     ],
 )
 def test_bad_argument_is_named(call, message):
