@@ -38,6 +38,7 @@ def figure(records: Sequence[Record]) -> Any:
     axes["s"].set(xlabel="period [s]", ylabel="pseudo-acceleration, 5 % damping [m/s²]")
     axes["s"].grid(alpha=0.3, which="both")
     axes["s"].legend()
+    drawing.align_ylabels([axes[name] for name in labels])
     drawing.suptitle(f"{records[0].source}\n{records[0].event}".strip(), fontsize=10)
     return drawing
 

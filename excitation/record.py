@@ -1,6 +1,6 @@
 """A measured or made acceleration history of one component, with where it is from.
 
-A record is what files hold and what `excitation.processing` works on; `motion()` makes it a base motion.
+A record is what files hold and what the processing functions of the package take; `motion()` makes it a base motion.
 
 Status   velocity and displacement are the exact integrals of the cubic spline through the samples, the same curve that
          the motion follows.
@@ -65,6 +65,12 @@ class Record:
     def __post_init__(self) -> None:
         positive("time_step", self.time_step, "s")
         object.__setattr__(self, "acceleration", samples("acceleration", self.acceleration))
+
+    def __repr__(self) -> str:
+        facts = [text for text in (self.source, self.component) if text]
+        facts.append(f"{self.acceleration.size} samples at {self.time_step:g} s")
+        facts.append(f"PGA {float(np.max(np.abs(self.acceleration))):.4g} m/s^2")
+        return f"Record({', '.join(facts)})"
 
     @property
     def times(self) -> NDArray[np.float64]:

@@ -35,7 +35,7 @@ FACTORS: dict[str, dict[str, float]] = {
 def plain(unit: str) -> str:
     """One spelling for a unit: `cm/sec/sec`, `CM/SEC**2`, `cm s-2`, `cm.s^-2` are all cm/s2."""
     text = unit.strip().lower().replace("seconds", "s").replace("sec", "s").replace("gals", "gal")
-    text = re.sub(r"\s*(/)\s*", r"\1", text)
+    text = re.sub(r"\s*(/)\s*", r"\1", text).rstrip(". ")
     text = text.replace("**", "").replace("^", "").replace("²", "2")
     text = re.sub(r"[\s.*]+s-2$", "/s2", text)
     text = re.sub(r"[\s.*]+s-1$", "/s", text)

@@ -8,11 +8,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from excitation.formats import columns, cosmos, csmip, dyna, knet, peer, seismology, smc
+from excitation.formats import columns, cosmos, csmip, dyna, knet, nsmn, peer, seismology, smc
 from excitation.formats.text import is_text, read_bytes, text_file
 from excitation.record import Record, RecordFileError
 
-READERS: dict[str, Any] = {module.NAME: module for module in (peer, knet, dyna, cosmos, smc, csmip)}
+READERS: dict[str, Any] = {module.NAME: module for module in (peer, knet, dyna, nsmn, cosmos, smc, csmip)}
 """Formats whose header states everything, in the order in which they are tried."""
 
 WRITERS: dict[str, Any] = {module.NAME: module for module in (peer, dyna, smc, columns)}

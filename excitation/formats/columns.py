@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from excitation.formats.peer import direction_of
+from excitation.formats.directions import direction_of, name_of
 from excitation.formats.text import TextFile, decimals, to_float
 from excitation.record import Record, RecordFileError, same_sampling
 from excitation.units import factor, quantity_of
@@ -145,11 +145,12 @@ def parse(text: TextFile, units: str | None = None, time_units: str | None = Non
     step = _step(text, first, scale * table[:, 0], finest, scale)
     records = []
     for k, (name, unit) in enumerate(headings[1:], start=1):
-        azimuth, vertical = direction_of(name)
+        direction = direction_of(name)
         records.append(
             Record(
-                step, factor(unit, "acceleration") * table[:, k], component=name, azimuth_deg=azimuth,
-                vertical=vertical, source=text.name, format=NAME, file_units=unit, sha256=text.sha256,
+                step, direction.sign * factor(unit, "acceleration") * table[:, k], component=direction.component,
+                azimuth_deg=direction.azimuth_deg, vertical=direction.vertical, source=text.name, format=NAME,
+                file_units=unit, sha256=text.sha256,
             )
         )  # fmt: skip
     return records
@@ -160,7 +161,7 @@ def write(path: str | Path, record: Record, *others: Record) -> None:
     records = (record, *others)
     for other in others:
         same_sampling(record, other)
-    names = [re.sub(r"[\[\](),;\s\"]+", "_", r.component) or f"a_{k}" for k, r in enumerate(records, start=1)]
+    names = [re.sub(r"[\[\](),;\s\"]+", "_", name_of(r)) or f"a_{k}" for k, r in enumerate(records, start=1)]
     lines = [f"time [s],{','.join(f'{name} [m/s^2]' for name in names)}"]
     columns = [record.times, *(r.acceleration for r in records)]
     lines += [",".join(repr(float(v)) for v in row) for row in zip(*columns, strict=True)]

@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from excitation.formats.peer import direction_of
+from excitation.formats.clock import start_time
+from excitation.formats.directions import Direction, direction_of
 from excitation.formats.text import TextFile, decimals, fortran_width
 from excitation.record import Record
 from excitation.units import factor, quantity_of
@@ -88,17 +89,17 @@ def _check_peak(text: TextFile, first: int, last: int, unit: str, largest: float
             text.check_peak(i, scale * abs(stated), largest, scale * decimals(found.group(1)))
 
 
-def _direction(integers: Any, comments: list[str]) -> tuple[str, float | None, bool, float]:
-    """(component, azimuth, vertical, sign); from the channel's code (SCNL) where the integer does not say."""
+def _direction(integers: Any, comments: list[str]) -> Direction:
+    """Where the sensor points; from the channel's code (SCNL) where the integer does not say."""
     code = int(integers[AZIMUTH]) if integers.size > AZIMUTH else -999
     if code in UP:
-        return "down" if code == 401 else "up", None, True, UP[code]
+        return Direction("UP", None, True, UP[code])
     if 1 <= code <= 360:
-        return str(code), float(code % 360), False, 1.0
+        return Direction(str(code), float(code % 360), False, 1.0)
     scnl = re.search(r"SCNL>?:?\s*\w+\.(\w+)\.", " ".join(comments))
     if scnl:
-        return scnl.group(1), *direction_of(scnl.group(1)[-1]), 1.0
-    return "", None, False, 1.0
+        return direction_of(scnl.group(1)[-1])._replace(component=scnl.group(1))
+    return Direction("", None, False, 1.0)
 
 
 def _channel(text: TextFile, first: int) -> tuple[Record | None, int]:
@@ -118,7 +119,7 @@ def _channel(text: TextFile, first: int) -> tuple[Record | None, int]:
     if layout is None:
         text.fail(at, "a format such as (8F10.5)")
     values, after = text.rows(at + 1, count, layout[0], at, layout[1])
-    text.match(after, r"end-of-data", "a line End-of-data")
+    text.match(after, r"end[- ]of[- ]data", "a line End-of-data")
     if not found["kind"].lower().startswith("accel"):
         return None, after + 1
     if quantity_of(unit) != "acceleration":
@@ -126,26 +127,18 @@ def _channel(text: TextFile, first: int) -> tuple[Record | None, int]:
     step = _step(text, reals, real_line, at, count, _unknown(text, first, text_end))
     values = factor(unit, "acceleration") * values
     _check_peak(text, first, text_end, unit, float(np.max(np.abs(values))))
-    component, azimuth, vertical, sign = _direction(integers, comments)
+    direction = _direction(integers, comments)
     titles = [line.strip() for line in text.lines[first:text_end]]
     station = re.search(r"Code:\s*(\S+)", " ".join(titles))
-    event = re.search(r"Record of (.*?)\s*$", titles[1] if len(titles) > 1 else "")
-    start = re.search(r"start time:\s*(\d+)/(\d+)/(\d+),?\s+([\d:.]+)\s+(UTC|GMT)", " ".join(titles))
+    event = re.search(r"(?:Record|Rcrd) of (.*?)\s*$", titles[1] if len(titles) > 1 else "")
     return Record(
-        step, sign * values, component=component, azimuth_deg=azimuth, vertical=vertical,
+        step, direction.sign * values, component=direction.component, azimuth_deg=direction.azimuth_deg,
+        vertical=direction.vertical,
         station=station.group(1) if station else "", event=event.group(1) if event else "",
-        start_time=_iso(start), source=text.name, format=NAME, file_units=unit.strip(), sha256=text.sha256,
+        start_time=start_time(text, first, text_end), source=text.name, format=NAME,
+        file_units=unit.strip(), sha256=text.sha256,
         metadata={"title": titles[0], "header": " | ".join(titles), "comments": " | ".join(comments)},
     ), after + 1  # fmt: skip
-
-
-def _iso(found: re.Match[str] | None) -> str:
-    """ISO 8601 of a start time with the year first or last; empty if there is none."""
-    if found is None:
-        return ""
-    a, b, c, clock = found.groups()[:4]
-    year, month, day = (a, b, c) if len(a) == 4 else (c, a, b)
-    return f"{year}-{int(month):02d}-{int(day):02d}T{clock}"
 
 
 def parse(text: TextFile) -> list[Record]:

@@ -2,10 +2,12 @@
 
 Source   Shakal & Huang (1985), Standard tape format for CSMIP strong-motion data tapes, report OSMS 85-03.  Volume 1
          has 13 lines of text, volume 2 has 25; then 100 integers in (16I5), and 50 or 100 reals in (8F10.3).  Volume 2
-         goes on with acceleration, velocity and displacement, each under a line with count, step and unit; volume 1
-         with pairs of time and acceleration in 5(2F7.3), or with such a line and equally spaced samples.
+         goes on with acceleration, velocity and displacement, each under a line with count, step and unit.  Volume 1
+         goes on with pairs of time and acceleration in 5(2F7.3) or, in files of digital recorders, with equally spaced
+         samples under a line such as `13200 Accelerogram points at 200 pts/sec in units of g. Format: (8f9.6)`.
 Status   the acceleration of every channel; velocity and displacement are counted and left.  Unequally spaced pairs of a
-         volume 1 are laid on equal steps by straight lines, and the record says so.
+         volume 1 are laid on equal steps by straight lines, and the record says so.  The three layouts of samples are
+         those of files of 1983, 1994 and 2012.
 """
 
 from __future__ import annotations
@@ -17,7 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from excitation.formats.peer import direction_of
+from excitation.formats.clock import start_time
+from excitation.formats.directions import Direction, direction_of
 from excitation.formats.text import TextFile, decimals, fortran_width
 from excitation.record import Record
 from excitation.units import factor, quantity_of
@@ -27,7 +30,7 @@ TITLE = "CSMIP .V1 and .V2"
 V1_TEXT, V2_TEXT = 13, 25
 INTEGER_LINES = 7
 V1_REAL_LINES, V2_REAL_LINES = 7, 13
-V1_COUNT, V2_COUNT, V2_STEP = 27, 52, 60
+V1_COUNT, V1_LONG_COUNT, V2_COUNT, V2_STEP = 27, 32, 52, 60
 TIME_RESOLUTION = 0.001
 """Times of a volume 1 are printed to a thousandth of a second."""
 
@@ -35,6 +38,11 @@ _DATA = (
     r"^\s*(?P<n>\S+)\s+POINTS OF (?P<kind>ACCEL|VELOC|DISPL)\w* DATA,? EQUALLY SPACED AT\s+(?P<dt>\S+)\s+SEC"
     r"\.?,?\s*(?:\(UNITS:\s*|IN\s+)(?P<unit>[^)(,.\s]+)\)?\.?\s*(?P<format>\([^)]*\))?"
 )
+_V1_DATA = (
+    r"^\s*(?P<n>\S+)\s+ACCELEROGRAM POINTS AT\s+(?P<rate>\S+)\s+PTS/SEC\s+IN UNITS OF\s+(?P<unit>[^.(]+?)\s*\."
+    r"?\s*(?:FORMAT:)?\s*(?P<format>\([^)]*\))"
+)
+_V1_WANTED = "(count) Accelerogram points at (rate) pts/sec in units of (unit). Format: (format)"
 _WANTED = "(count) POINTS OF ACCEL DATA EQUALLY SPACED AT (step) SEC. (UNITS: CM/SEC/SEC)"
 _KINDS = {"ACCEL": "acceleration", "VELOC": "velocity", "DISPL": "displacement"}
 
@@ -107,25 +115,25 @@ def _layout(text: TextFile, index: int, count: int) -> tuple[int, int]:
     return per_line, len(line) // per_line
 
 
-def _direction(channel: _Channel) -> tuple[str, float | None, bool]:
-    """(component, azimuth, vertical) from `CHAN  1:  90 DEG`."""
-    found = channel.find(r"CHAN\w*\s*\d+\s*:\s*(\d+ DEG|[A-Z]+)")
-    component = found[1].group(1) if found else ""
-    return component, *direction_of(component)
+def _direction(channel: _Channel) -> Direction:
+    """Where the sensor points, from `CHAN  1:  90 DEG`."""
+    found = channel.find(r"CHAN\w*\s*\d+\s*:\s*(\d+ DEG|[A-Z0-9]+)")
+    return direction_of(found[1].group(1) if found else "")
 
 
 def _record(
     channel: _Channel, values: NDArray[np.float64], step: float, unit: str, extra: dict[str, str] | None = None
 ) -> Record:
-    component, azimuth, vertical = _direction(channel)
+    direction = _direction(channel)
     text, first = channel.text, channel.first
-    station = channel.find(r"STATION NO\.?\s*(\w+)")
-    event = channel.find(r"(.*(?:EARTHQUAKE|EQ\b).*)")
+    station = channel.find(r"STATION (?:NO|ID)\.?\s*(\w+)")
+    event = channel.find(r"(.*EARTHQUAKE.*)") or channel.find(r"(?:RECORD|RCRD) OF (.*?)(?:\s{2,}|$)")
     titles = [line.strip() for line in text.lines[first : first + channel.text_lines] if line.strip()]
-    sign = -1.0 if component.upper().startswith("DOWN") else 1.0
     return Record(
-        step, sign * factor(unit, "acceleration") * values, component=component, azimuth_deg=azimuth, vertical=vertical,
+        step, direction.sign * factor(unit, "acceleration") * values, component=direction.component,
+        azimuth_deg=direction.azimuth_deg, vertical=direction.vertical,
         station=station[1].group(1) if station else "", event=event[1].group(1).strip() if event else "",
+        start_time=start_time(text, first, first + channel.text_lines),
         source=text.name, format=NAME, file_units=unit, sha256=text.sha256,
         metadata={"title": titles[0], "header": " | ".join(titles)} | (extra or {}),
     )  # fmt: skip
@@ -144,20 +152,49 @@ def _volume2(channel: _Channel) -> tuple[Record, int]:
     for kind in ("VELOC", "DISPL"):
         if at < len(text.lines) and re.search(_DATA, text.lines[at], re.IGNORECASE):
             _, _, _, at = _series(text, at, kind)
-    peak = channel.find(r"PEAK ACCELERATION\s*=\s*(\S+)\s+(\S+)")
-    if peak is not None and quantity_of(peak[1].group(2)) == quantity_of(unit):
-        stated = text.number(peak[0], peak[1].group(1), "the peak as a number")
-        scale = factor(peak[1].group(2), "acceleration") / factor(unit, "acceleration")
-        text.check_peak(peak[0], abs(stated) * scale, float(np.max(np.abs(values))), decimals(peak[1].group(1)) * scale)
+    _check_peak(channel, r"PEAK ACCELERATION\s*=\s*(\S+)\s+(\S+)", values, unit)
     return _record(channel, values, step, unit), at
+
+
+def _check_peak(channel: _Channel, pattern: str, values: NDArray[np.float64], unit: str) -> None:
+    """Raise unless the largest sample is the (number, unit) that a pattern finds in the text lines, if it does."""
+    peak = channel.find(pattern)
+    if peak is None or quantity_of(peak[1].group(2).rstrip(",")) != "acceleration":
+        return
+    stated = channel.text.number(peak[0], peak[1].group(1), "the peak as a number")
+    scale = factor(peak[1].group(2).rstrip(","), "acceleration") / factor(unit, "acceleration")
+    resolution = decimals(peak[1].group(1)) * scale
+    channel.text.check_peak(peak[0], abs(stated) * scale, float(np.max(np.abs(values))), resolution)
+
+
+_V1_PEAK = r"UNCOR.*MAX\s*=\s*(\S+)\s+(\S+)"
+
+
+def _even_volume1(channel: _Channel) -> tuple[Record, int]:
+    """(record, index of the line after the channel) of a volume 1 with samples under a line of facts."""
+    text, at = channel.text, channel.data
+    if re.search(_DATA, text.lines[at], re.IGNORECASE):
+        values, step, unit, after = _series(text, at, "ACCEL")
+        return _record(channel, values, step, unit), after
+    found = text.match(at, _V1_DATA, _V1_WANTED)
+    count, rate = text.count(at, found["n"], _V1_WANTED), text.positive(at, found["rate"], _V1_WANTED)
+    layout, unit = fortran_width(found["format"]), found["unit"].strip()
+    if layout is None or quantity_of(unit) != "acceleration":
+        text.fail(at, _V1_WANTED)
+    values, after = text.rows(at + 1, count, layout[0], at, layout[1])
+    # Counts above 99999 do not fit into an integer of five columns and stand as 0 or less there.
+    for k in (V1_COUNT, V1_LONG_COUNT):
+        if channel.integers[k] > 0 and round(channel.integers[k]) != count:
+            text.fail(channel.first + V1_TEXT + k // 16, f"{count} as integer {k + 1}, the count of line {at + 1}")
+    _check_peak(channel, _V1_PEAK, values, unit)
+    return _record(channel, values, 1.0 / rate, unit), after
 
 
 def _volume1(channel: _Channel) -> tuple[Record, int]:
     """(record, index of the line after the channel)."""
     text, at = channel.text, channel.data
-    if re.search(_DATA, text.lines[at], re.IGNORECASE):
-        values, step, unit, after = _series(text, at, "ACCEL")
-        return _record(channel, values, step, unit), after
+    if re.search("[A-Z]{3}", text.lines[at], re.IGNORECASE):
+        return _even_volume1(channel)
     count_line = channel.first + V1_TEXT + V1_COUNT // 16
     count = round(channel.integers[V1_COUNT])
     if count < 2:
@@ -171,6 +208,7 @@ def _volume1(channel: _Channel) -> tuple[Record, int]:
     wrong = np.flatnonzero(np.diff(times) < 0.0)
     if wrong.size or step <= 0.0:
         text.fail(at + int(wrong[0] + 1 if wrong.size else 0) // 5, "ascending times")
+    _check_peak(channel, _V1_PEAK, values, found[1].group(1))
     even = times[0] + step * np.arange(count)
     if np.max(np.abs(times - even)) <= TIME_RESOLUTION:
         return _record(channel, values, step, found[1].group(1)), after

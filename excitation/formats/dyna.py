@@ -13,7 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from excitation.formats.text import TextFile, decimals
+from excitation.formats.directions import Direction, direction_of, name_of
+from excitation.formats.text import TextFile, decimals, one_line
 from excitation.record import Record
 from excitation.units import factor, quantity_of
 
@@ -78,6 +79,13 @@ def _check_peak(header: _Header, scale: float, values: np.ndarray) -> None:
     header.text.check_peak(index, abs(peak), found, decimals(stated))
 
 
+def _direction(stream: str) -> Direction:
+    """The direction of a stream: the last letter of a SEED channel such as HNE, or a direction's usual name."""
+    if re.fullmatch(r"[A-Za-z]{2}[ENZenz]", stream):
+        return direction_of(stream[-1])._replace(component=stream)
+    return direction_of(stream)
+
+
 def parse(text: TextFile) -> list[Record]:
     """The one record of the file."""
     header = _Header(text)
@@ -95,12 +103,13 @@ def parse(text: TextFile) -> list[Record]:
     scale = factor(unit, "acceleration")
     _check_peak(header, scale, values)
     stream = header.get("STREAM")
-    azimuth = {"E": 90.0, "N": 0.0}.get(stream[-1:].upper())
+    direction = _direction(stream)
     network = header.get("NETWORK")
     event = (header.get("EVENT_NAME"), header.get("EVENT_DATE_YYYYMMDD"), header.get("EVENT_TIME_HHMMSS"))
     return [
         Record(
-            step, scale * values, component=stream, azimuth_deg=azimuth, vertical=stream[-1:].upper() == "Z",
+            step, direction.sign * scale * values, component=direction.component, azimuth_deg=direction.azimuth_deg,
+            vertical=direction.vertical,
             station=".".join(v for v in (network, header.get("STATION_CODE")) if v),
             event=" ".join(v for v in event if v), start_time=_start_time(header), source=text.name, format=NAME,
             file_units=unit, sha256=text.sha256, metadata={k: v for k, (_, v) in header.values.items() if v},
@@ -108,18 +117,25 @@ def parse(text: TextFile) -> list[Record]:
     ]  # fmt: skip
 
 
+def _start_text(record: Record) -> str:
+    if not record.start_time:
+        return ""
+    try:
+        return datetime.fromisoformat(record.start_time).strftime("%Y%m%d_%H%M%S.%f")
+    except ValueError:
+        raise ValueError(f"start_time={record.start_time!r}: want ISO 8601 such as 2019-07-28T16:09:19.87") from None
+
+
 def write(path: str | Path, record: Record) -> None:
     """Write a record in cm/s^2, nine digits."""
     values = 100.0 * record.acceleration
     peak = int(np.argmax(np.abs(values)))
-    stream = record.component
-    if not stream:
-        stream = "Z" if record.vertical else {0.0: "N", 90.0: "E"}.get(record.azimuth_deg or -1.0, "")
-    start = record.start_time and datetime.fromisoformat(record.start_time).strftime("%Y%m%d_%H%M%S.%f")
+    understood = _direction(record.component)[1:] == (record.azimuth_deg, record.vertical, 1.0)
+    stream = record.component if understood else name_of(record)
     header = {
         "EVENT_NAME": record.event,
         "STATION_CODE": record.station,
-        "DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS": start,
+        "DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS": _start_text(record),
         "SAMPLING_INTERVAL_S": f"{record.time_step:.12g}",
         "NDATA": str(values.size),
         "STREAM": stream,
@@ -129,5 +145,5 @@ def write(path: str | Path, record: Record) -> None:
         "HEADER_FORMAT": "DYNA 1.2",
         "DATA_TYPE": "ACCELERATION",
     }
-    lines = [f"{key}: {str(value).replace(chr(10), ' ')}" for key, value in header.items()]
+    lines = [f"{key}: {one_line(value)}" for key, value in header.items()]
     Path(path).write_text("\n".join([*lines, *(f"{v:.9g}" for v in values), ""]), encoding="utf-8")

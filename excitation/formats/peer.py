@@ -10,7 +10,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from excitation.formats.text import TextFile
+from excitation.formats.directions import direction_of, name_of
+from excitation.formats.text import TextFile, one_line
 from excitation.record import Record
 from excitation.units import STANDARD_GRAVITY, factor, quantity_of
 
@@ -41,38 +42,25 @@ def parse(text: TextFile) -> list[Record]:
         text.fail(3, wanted)
     count, step = text.count(3, found["n"], wanted), text.positive(3, found["dt"], wanted)
     values = text.counted(4, len(text.lines), count, 3)
-    event, _, direction = text.lines[1].strip().rpartition(",")
-    azimuth, vertical = direction_of(direction)
+    event, _, name = text.lines[1].strip().rpartition(",")
+    direction = direction_of(name)
     return [
         Record(
-            step, factor(unit, "acceleration") * values, component=direction.strip(), azimuth_deg=azimuth,
-            vertical=vertical, event=event.strip(), source=text.name, format=NAME, file_units=unit,
-            sha256=text.sha256, metadata={"title": text.lines[0].strip()},
+            step, direction.sign * factor(unit, "acceleration") * values, component=direction.component,
+            azimuth_deg=direction.azimuth_deg, vertical=direction.vertical, event=event.strip(), source=text.name,
+            format=NAME, file_units=unit, sha256=text.sha256, metadata={"title": text.lines[0].strip()},
         )
     ]  # fmt: skip
 
 
-def direction_of(name: str) -> tuple[float | None, bool]:
-    """(azimuth in degrees or None, whether vertical) of a direction's usual names."""
-    plain = name.strip().upper().replace("DEG", "").replace("_", "").strip(" .")
-    if plain in {"UP", "UD", "U-D", "V", "Z", "VER", "VERT", "VRT", "DWN", "DOWN", "VERTICAL", "A_Z", "AZ"}:
-        return None, True
-    cardinal = {"N-S": 0.0, "NS": 0.0, "N": 0.0, "E-W": 90.0, "EW": 90.0, "E": 90.0, "S": 180.0, "W": 270.0}
-    if plain in cardinal:
-        return cardinal[plain], False
-    if re.fullmatch(r"\d{1,3}", plain) and int(plain) <= 360:
-        return float(int(plain) % 360), False
-    return None, False
-
-
 def write(path: str | Path, record: Record) -> None:
     """Write a record in g, seven digits."""
-    direction = record.component or ("UP" if record.vertical else "")
+    direction = one_line(name_of(record)).replace(",", " ")
     values = record.acceleration / STANDARD_GRAVITY
     rows = ["".join(f"{v:15.7E}" for v in values[i : i + 5]) for i in range(0, values.size, 5)]
     head = [
         "PEER NGA STRONG MOTION DATABASE RECORD",
-        f"{record.event or record.source}, {direction}".replace("\n", " "),
+        f"{one_line(record.event or record.source)}, {direction}",
         "ACCELERATION TIME SERIES IN UNITS OF G",
         f"NPTS= {values.size:6d}, DT= {record.time_step:.10g} SEC",
     ]

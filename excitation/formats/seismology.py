@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from excitation.formats.peer import direction_of
+from excitation.formats.directions import direction_of
 from excitation.record import Record, RecordFileError
 from excitation.units import factor
 
@@ -70,9 +70,10 @@ def _record(name: str, facts: dict[str, str], values: Any, units: str, data: byt
         raise RecordFileError(f"{name}, trace {facts['id']}: has gaps or fewer than two samples, want a whole series")
     if not (np.isfinite(step) and step > 0.0):
         raise RecordFileError(f"{name}, trace {facts['id']}: has a time step of {step} s, want above zero")
-    azimuth, vertical = direction_of(facts["channel"][-1:])
+    direction = direction_of(facts["channel"][-1:])
     return Record(
-        step, values, component=facts["channel"], azimuth_deg=azimuth, vertical=vertical,
+        step, values, component=facts["channel"], azimuth_deg=direction.azimuth_deg,
+        vertical=direction.vertical,
         station=f"{facts['network']}.{facts['station']}".strip("."), start_time=facts["start"], source=name,
         format=f"{NAME}: {facts['_format']}", file_units=units, sha256=hashlib.sha256(data).hexdigest(),
     )  # fmt: skip

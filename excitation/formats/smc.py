@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from excitation.formats.text import TextFile
+from excitation.formats.directions import Direction
+from excitation.formats.text import TextFile, one_line
 from excitation.record import Record
 from excitation.units import factor
 
@@ -51,14 +52,14 @@ def _headers(text: TextFile) -> tuple[Any, Any]:
     return integers, reals
 
 
-def _direction(integers: Any) -> tuple[str, float | None, bool]:
-    """(component, azimuth, vertical)."""
+def _direction(integers: Any) -> Direction:
+    """Where the sensor points: vertical angles are counted from up."""
     if integers[HORIZONTAL] != NO_INTEGER and integers[VERTICAL] in (NO_INTEGER, 90):
         azimuth = float(integers[HORIZONTAL]) % 360.0
-        return f"{integers[HORIZONTAL]:g}", azimuth, False
+        return Direction(f"{integers[HORIZONTAL]:g}", azimuth, False, 1.0)
     if integers[VERTICAL] in (0, 180):
-        return "up" if integers[VERTICAL] == 0 else "down", None, True
-    return "", None, False
+        return Direction("UP", None, True, 1.0 if integers[VERTICAL] == 0 else -1.0)
+    return Direction("", None, False, 1.0)
 
 
 def parse(text: TextFile) -> list[Record]:
@@ -84,14 +85,14 @@ def parse(text: TextFile) -> list[Record]:
         if abs(reals[k]) < 0.9 * NO_REAL:
             at = TEXT_LINES + INTEGER_LINES + k // 5
             text.check_peak(at, float(reals[k]), float(extreme), 10.0 ** (8 - width) * abs(float(extreme)) + 1e-6)
-    component, azimuth, vertical = _direction(integers)
-    sign = -1.0 if component == "down" else 1.0
+    direction = _direction(integers)
     station = re.search(r"station\s*=\s*(.*?)\s*(component|$)", text.lines[5], re.IGNORECASE)
     comment_text = " ".join(line[1:].strip() for line in text.lines[first:data]).strip()
     return [
         Record(
-            1.0 / float(reals[RATE]), sign * factor("cm/s2", "acceleration") * values, component=component,
-            azimuth_deg=azimuth, vertical=vertical, station=station.group(1) if station else "",
+            1.0 / float(reals[RATE]), direction.sign * factor("cm/s2", "acceleration") * values,
+            component=direction.component, azimuth_deg=direction.azimuth_deg, vertical=direction.vertical,
+            station=station.group(1) if station else "",
             event=" ".join(text.lines[3].split()), source=text.name, format=NAME, file_units="cm/s^2",
             sha256=text.sha256, metadata={"type": text.lines[0].strip(), "comments": comment_text},
         )
@@ -115,11 +116,11 @@ def write(path: str | Path, record: Record) -> None:
         integers[VERTICAL] = NO_INTEGER
     reals = [NO_REAL] * 50
     reals[RATE], reals[LARGEST], reals[LEAST] = 1.0 / record.time_step, float(np.max(values)), float(np.min(values))
-    name = f"station = {record.station}".replace("\n", " ")
-    lines = ["2 CORRECTED ACCELEROGRAM", "*", "", record.event.replace("\n", " ") or "*", "*", name, *["*"] * 5]
+    name = f"station = {one_line(record.station)}"
+    lines = ["2 CORRECTED ACCELEROGRAM", "*", "", one_line(record.event) or "*", "*", name, *["*"] * 5]
     lines += ["".join(f"{v:10d}" for v in integers[i : i + 8]) for i in range(0, 48, 8)]
     lines += ["".join(f"{v:15.7E}" for v in reals[i : i + 5]) for i in range(0, 50, 5)]
-    lines += ["|" + record.source.replace("\n", " ")]
+    lines += ["|" + one_line(record.source)]
     lines += ["".join(_sample(v) for v in values[i : i + 5]) for i in range(0, values.size, 5)]
     Path(path).write_text("\n".join([*lines, ""]), encoding="utf-8")
 

@@ -122,6 +122,11 @@ def decimals(text: str) -> float:
     return 0.5 * 10.0 ** -len(found.group(1)) if found else 0.5
 
 
+def one_line(text: str) -> str:
+    """A text without line ends and control characters, for a header line of its own."""
+    return re.sub(r"[\x00-\x1f\x7f-\x9f\u2028\u2029]+", " ", text).strip()
+
+
 def fortran_width(text: str) -> tuple[int, int] | None:
     """(numbers to a line, width) of a Fortran format such as (8F10.3); None if it is none."""
     found = _FORTRAN.fullmatch(text.strip())

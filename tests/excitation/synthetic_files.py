@@ -86,10 +86,42 @@ def csmip1_channel(a, times, number=1, direction="UP"):
         "x",
         "x",
     ]
-    text += ["x", "x", "UNITS OF UNCOR ACCEL ARE SEC AND G/10.     MAX  =  9.999 G.", "x"]
+    peak = max(a, key=abs) / G
+    text += ["x", "x", f"UNITS OF UNCOR ACCEL ARE SEC AND G/10.     MAX  = {peak:6.3f} G, AT  11.576 SEC.", "x"]
     lines = text + rows([f"{v:5d}" for v in integers], 16) + rows([f"{v:10.3f}" for v in reals], 8)
     pairs = [f"{t:7.3f}{10 * v / G:7.3f}" for t, v in zip(times, a, strict=True)]
     return [*lines, *rows(pairs, 5), f"/&  ----------  END OF DATA FOR CHANNEL  {number}  ----------"]
+
+
+def csmip1_even_channel(a, rate, number=1, direction="360 Deg"):
+    """A volume 1 of a digital recorder, as files of 2012 have it."""
+    integers, reals = [-999] * 100, [-999.0] * 50
+    integers[27] = integers[32] = len(a)
+    text = ["Uncorrected Accelerogram Data             Processed: 02/13/12, CGS  146be002"]
+    text += ["Record of Mon Feb 13, 2012 13:06:45.0 PST             (Avol1 v9.2,12/11 CSMIP)", "x"]
+    text += ["38457487.CI.ABC.--.HN                Start time:  2/13/12, 21:06: 5.0 UTC (GPS)"]
+    text += ["Station Id. ABC     40.941N, 123.633W      Etna", "A Place", f"Chan  {number}: {direction}"]
+    peak = max(a, key=abs) / G
+    text += ["x", "x", "x", f"No. of Points = {len(a):6d}"]
+    text += [f"Units of uncor data are sec and g .        Max  = {peak:6.3f} g , at  30.590 sec.    ", "RMS"]
+    lines = text + rows([f"{v:5d}" for v in integers], 16) + rows([f"{v:10.5f}" for v in reals], 8)
+    lines += [f" {len(a)} Accelerogram points at {rate} pts/sec in units of g .      Format: (8f9.6)  "]
+    return [*lines, *rows([f"{v / G:9.6f}" for v in a], 8), f"/&  ----------  End of Data for Channel  {number}"]
+
+
+def nsmn_text(components, dt, columns=("N-S", "E-W", "U-D"), between="   : "):
+    """The three-column text of Turkey's older archive."""
+    peaks = " ".join(f"({c}) {100 * np.max(np.abs(a)):.6f}" for c, a in zip(columns, components, strict=True))
+    head = {
+        "PLACE": "A PLACE", "EARTHQUAKE DATE": "2017/07/20 22:31:09 (GMT)",
+        "EPICENTER COORDINATES": "36.9N-27.4E", "EARTHQUAKE DEPTH (km)": "19.44", "EARTHQUAKE MAGNITUDE": "6.5 Mw",
+        "STATION ID": "4304", "STATION COORDINATES": "38.9N-29.4E", "STATION ALTITUDE (m)": "735",
+        "RECORDER TYPE": "x", "RECORDER SERIAL NO": "5B02", "RECORD TIME": "20/07/2017 22:31:14.000000 (GMT)",
+        "NUMBER OF DATA": f"{len(components[0])}", "SAMPLING INTERVAL (sec)": f"{dt}", "RAW PGA VALUES (gal)": peaks,
+    }  # fmt: skip
+    lines = ["STRONG GROUND MOTION RECORDS OF TURKIYE", *(k + between + v for k, v in head.items()), "Copyright", "x"]
+    body = ["".join(f"{100 * v:13.6f}" for v in row) for row in zip(*components, strict=True)]
+    return "\n".join([*lines, "".join(f"{c:>13}" for c in columns), *body, ""])
 
 
 def cosmos_channel(a, dt, azimuth=90, kind="acceleration", unit="cm/sec2(04)", layout="(8F10.5)", scnl=None):

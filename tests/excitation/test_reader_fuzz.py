@@ -17,9 +17,11 @@ import excitation as ex
 from .synthetic_files import (
     cosmos_channel,
     csmip1_channel,
+    csmip1_even_channel,
     csmip2_channel,
     dyna_text,
     knet_text,
+    nsmn_text,
     peer_text,
     smc_text,
 )
@@ -31,6 +33,8 @@ FILES = {
     "dyna": dyna_text(A, 0.005),
     "smc": smc_text(A, 0.005),
     "csmip 1": "\n".join(csmip1_channel(A, 0.02 * np.arange(61))),
+    "csmip 1, even": "\n".join(csmip1_even_channel(A, 200)),
+    "nsmn": nsmn_text([A, 0.5 * A[::-1], 0.1 * A], 0.005),
     "csmip 2": "\n".join(csmip2_channel(A, 0.02)),
     "cosmos": "\n".join(cosmos_channel(A, 0.005)),
     "columns": "\n".join(["time [s],a_x [g]", *(f"{0.01 * i:.2f},{v}" for i, v in enumerate(A))]),
@@ -67,7 +71,7 @@ def _without_obspy():
 
 @pytest.mark.parametrize("name", FILES)
 def test_the_whole_file_is_read(tmp_path, name):
-    (record,) = outcome(tmp_path, FILES[name].encode())
+    record = outcome(tmp_path, FILES[name].encode())[0]
     assert record.acceleration.size == WHOLE["size"]
 
 
@@ -122,7 +126,7 @@ def test_lines_lost_doubled_or_swapped_never_surprise(tmp_path, name):
 @pytest.mark.parametrize("name", [n for n in FILES if n != "columns"])
 def test_a_lost_line_of_samples_is_noticed(tmp_path, name):
     lines = FILES[name].split("\n")
-    last = len(lines) - (5 if name != "csmip 2" else 12)
+    last = len(lines) - (12 if name == "csmip 2" else 5)
     assert outcome(tmp_path, "\n".join(lines[:last] + lines[last + 1 :]).encode()) is None
 
 
@@ -154,6 +158,8 @@ def test_anything_else_is_refused_or_read(tmp_path, data):
         ("smc", "        61", "2000000000"),
         ("csmip 2", "61 POINTS OF ACCEL", "999999999999 POINTS OF ACCEL"),
         ("csmip 1", "   61", "99999"),
+        ("csmip 1, even", "61 Accel", "999999999999 Accel"),
+        ("nsmn", "NUMBER OF DATA   : 61", "NUMBER OF DATA   : 999999999999"),
         ("cosmos", "61 acceleration pts", "999999999999 acceleration pts"),
         ("cosmos", " 100 Real-header", " 999999 Real-header"),
         ("cosmos", "   2 Comment", " 999999 Comment"),

@@ -8,9 +8,11 @@ import excitation as ex
 from .synthetic_files import (
     cosmos_channel,
     csmip1_channel,
+    csmip1_even_channel,
     csmip2_channel,
     dyna_text,
     knet_text,
+    nsmn_text,
     peer_text,
     rows,
     smc_text,
@@ -137,13 +139,101 @@ def test_csmip_volume_1_with_equally_spaced_samples(tmp_path, samples):
     assert record.time_step == 0.01
 
 
+def test_csmip_volume_1_of_a_digital_recorder(tmp_path, samples):
+    path = tmp_path / "record.V1"
+    path.write_text("\n".join(csmip1_even_channel(samples, 200) + csmip1_even_channel(samples, 200, 2, "Up")))
+    first, second = ex.read(path)
+    # Six decimals of g.
+    assert first.acceleration == pytest.approx(samples, abs=5.1e-7 * G)
+    assert (first.time_step, first.azimuth_deg, first.station) == (0.005, 0.0, "ABC")
+    assert (first.start_time, first.event) == ("2012-02-13T21:06:05", "Mon Feb 13, 2012 13:06:45.0 PST")
+    assert second.vertical
+
+
+@pytest.mark.parametrize("between", ["   : ", "\t:\t"])
+@pytest.mark.parametrize("columns", [("N-S", "E-W", "U-D"), ("U-D", "N-S", "E-W")])
+def test_nsmn_has_three_components_in_the_order_of_its_columns(tmp_path, samples, columns, between):
+    components = [samples, -0.5 * samples, 0.1 * samples]
+    path = tmp_path / "record.txt"
+    path.write_bytes(nsmn_text(components, 0.01, columns, between).replace("A PLACE", "KüTAHYA").encode("latin-1"))
+    records = ex.read(path)
+    azimuths = {"N-S": 0.0, "E-W": 90.0, "U-D": None}
+    for record, name, expected in zip(records, columns, components, strict=True):
+        # Six decimals of a gal.
+        assert record.acceleration == pytest.approx(expected, abs=5.1e-9)
+        assert (record.component, record.azimuth_deg, record.vertical) == (name, azimuths[name], name == "U-D")
+        assert (record.time_step, record.start_time) == (0.01, "2017-07-20T22:31:14")
+        assert (record.station, record.event, record.file_units) == ("4304", "2017/07/20 22:31:09 (GMT)", "gal")
+        assert record.metadata["PLACE"] == "KüTAHYA"
+
+
+@pytest.mark.parametrize(
+    ("name", "azimuth", "vertical", "sign"),
+    [
+        ("N65E", 65.0, False, 1.0), ("S65E", 115.0, False, 1.0), ("S65W", 245.0, False, 1.0),
+        ("N65W", 295.0, False, 1.0), ("S00E", 180.0, False, 1.0), ("N95E", None, False, 1.0), ("090", 90.0, False, 1.0),
+        ("360", 0.0, False, 1.0), ("361", None, False, 1.0), ("W", 270.0, False, 1.0), ("DWN", None, True, -1.0),
+        ("Down", None, True, -1.0), ("UP", None, True, 1.0), ("a_z", None, True, 1.0), ("L", None, False, 1.0),
+    ],
+)  # fmt: skip
+def test_names_of_directions(name, azimuth, vertical, sign):
+    """Quadrants by their definition: from the first letter's axis so many degrees toward the last's."""
+    from excitation.formats.directions import direction_of
+
+    assert direction_of(name)[1:] == (azimuth, vertical, sign)
+
+
+@pytest.mark.parametrize("name", ["DWN", "DOWN"])
+def test_what_points_down_is_turned_over(tmp_path, samples, name):
+    peer = change(peer_text(samples, 0.005), "A Place, 67", f"A Place, {name}")
+    csmip = "\n".join(csmip1_even_channel(samples, 200, 1, name))
+    columns = "\n".join([f"t [s],{name} [m/s^2]", *(f"{0.01 * i:.2f},{v}" for i, v in enumerate(samples))])
+    for text in (peer, csmip, columns):
+        record = one(tmp_path, text)
+        assert record.acceleration == pytest.approx(-samples, abs=1e-5)
+        assert record.vertical and record.component == "UP"
+
+
+@pytest.mark.parametrize(
+    ("written", "expected"),
+    [
+        ("Start time:  2/13/12, 21:06:45.0 UTC (GPS)", "2012-02-13T21:06:45"),
+        ("TRIGGER TIME: 01/17/94, 12:31:04.1 UTC", "1994-01-17T12:31:04.100000"),
+        ("TRIGGER TIME: 05/02/83, 16:42:48.2 PDT", ""),
+        ("Rcrd start time: 8/29/2018, 02:33:  .0 UTC (Q=5) RcrdId:", "2018-08-29T02:33:00"),
+        ("Rcrd start time:06/16/2005, 20:53:04.400 UTC (Q=2)", "2005-06-16T20:53:04.400000"),
+        ("Rcrd start time: 2018/11/30 17:29:60.0 UTC", "2018-11-30T17:30:00"),
+        ("Start time:  7/06/19, 03:16: 8.0 UTC", "2019-07-06T03:16:08"),
+    ],
+)
+def test_start_times_as_headers_have_them(written, expected):
+    from excitation.formats.clock import start_time
+    from excitation.formats.text import text_file
+
+    assert start_time(text_file("x", f"a line\n{written}\n".encode()), 0, 9) == expected
+
+
+def test_cosmos_volume_1_as_california_writes_it(tmp_path, samples):
+    """Unit `g.` with blanks before its code, `Rcrd` for `Record`, other words at the end, blanks behind the rows."""
+    lines = cosmos_channel(samples / G / 100, 0.005, azimuth=360)
+    at = next(i for i, line in enumerate(lines) if " pts, approx" in line)
+    lines[at] = f"   {N} acceleration pts, approx   0 secs, units=g.     (02)Format=(8f10.5)   "
+    text = "\n".join(line.ljust(80) for line in lines).replace("Record of", "Rcrd of")
+    text = text.replace("End-of-data for Chan", "/& --- End of data for channel").replace("cm/sec2 at", "g       at")
+    record = one(tmp_path, text.replace("2018/11/30 17:29:39.137", "8/29/2018, 02:33:  .0"))
+    # Five decimals of g.
+    assert record.acceleration == pytest.approx(samples, abs=5.1e-6 * G)
+    assert (record.azimuth_deg, record.event) == (0.0, "Somewhere Earthquake of 2018")
+    assert record.start_time == "2018-08-29T02:33:00"
+
+
 @pytest.mark.parametrize("layout", ["(8F10.5)", "(1E15.6)"])
 def test_cosmos_layouts(tmp_path, samples, layout):
     record = one(tmp_path, "\n".join(cosmos_channel(samples, 0.005, layout=layout)))
     # Five decimals, or seven digits, of cm/s^2.
     assert record.acceleration == pytest.approx(samples, abs=5.1e-7)
     assert (record.azimuth_deg, record.time_step, record.station) == (90.0, 0.005, "AK-ABC")
-    assert record.start_time == "2018-11-30T17:29:39.137"
+    assert record.start_time == "2018-11-30T17:29:39.137000"
 
 
 def test_cosmos_keeps_acceleration_and_leaves_velocity(tmp_path, samples):
@@ -224,6 +314,7 @@ def with_line(text, number, line):
 
 BASE = np.round(2.0 * np.sin(np.arange(N)), 6)
 V2, V2C = "\n".join(csmip2_channel(BASE, 0.02)), "\n".join(cosmos_channel(BASE, 0.005))
+V1E, NSMN = "\n".join(csmip1_even_channel(BASE, 200)), nsmn_text([BASE, 0.5 * BASE, 0.1 * BASE], 0.01)
 PEAK = f"{100 * max(BASE, key=abs):10.3f}"
 
 
@@ -273,6 +364,22 @@ PEAK = f"{100 * max(BASE, key=abs):10.3f}"
         (change(V2, PEAK, "   300.000"), "line 18: .* want the largest sample"),
         (change("\n".join(csmip1_channel(BASE, 0.02 * np.arange(N))), "G/10", "STONE"), "line 12: .* want a line such"),
         ("\n".join(csmip1_channel(BASE, -0.02 * np.arange(N))), "want ascending times"),
+        (change(V1E, "123 Accel", "122 Accel"), "hold 123 values, want 122 as line 28 says"),
+        (change(V1E, "  123 -999", "  124 -999"), "line 15: .* want 123 as integer 28"),
+        (change(V1E, "of g .  ", "of v .  "), r"line 28: .* want \(count\) Accelerogram points"),
+        (change(V1E, "200 pts", "0 pts"), r"line 28: .* want \(count\) Accelerogram points"),
+        (change(V1E, "Max  = -0.", "Max  = -1."), "line 12: .* want the largest sample"),
+        (change(V1E, "time:  2/13/12", "time: 13/13/12"), "line 4: .* want a date and a time of day"),
+        (change(NSMN, "OF DATA   : 123", "OF DATA   : 124"), "hold 369 values, want 372 as line 13 says"),
+        (change(NSMN, "OF DATA   : 123", "OF DATA   : x"), "line 13: .* want NUMBER OF DATA: the number"),
+        (change(NSMN, "(sec)   : 0.01", "(sec)   : 0"), "line 14: .* want SAMPLING INTERVAL"),
+        (change(NSMN, "SAMPLING", "SIMPLING"), r"line 18: .* want the header line SAMPLING INTERVAL \(sec\)"),
+        (change(NSMN, "VALUES (gal)", "VALUES (V)"), "line 15: .* want RAW PGA VALUES"),
+        (change(NSMN, "(U-D)", "(U-P)"), "line 15: .* want the largest values as"),
+        (change(NSMN, "(E-W) ", "(E-W) 9"), "line 15: .* want the largest sample"),
+        (change(NSMN, "20/07/2017", "20/20/2017"), "line 12: .* want RECORD TIME"),
+        (change(NSMN, "U-D\n", "U\n"), "want a line with the columns' names"),
+        (with_line(NSMN, 30, "1 2"), "line 30: found '1 2', want three numbers"),
         (change(V2C, "cm/sec2(04)", "counts (50)"), "not counts or volts"),
         (change(V2C, "Format=(8F10.5)", "Format=(x)"), "want a format such as"),
         (change(V2C, "approx  0 ", "approx  99 "), "want approx 0.615 secs"),

@@ -34,7 +34,7 @@ def test_what_is_written_is_read_again(tmp_path, format, record):
     # The peak check of the readers and SMC's one-digit exponent leave at least 1e-11 m/s^2.
     assert again.acceleration == pytest.approx(record.acceleration, rel=1e-15, abs=DIGITS[format] * peak + 1e-11)
     assert again.time_step == pytest.approx(record.time_step, rel=1e-7)
-    assert (again.vertical, again.azimuth_deg) == (False, None if format == "dyna" else 90.0)
+    assert (again.vertical, again.azimuth_deg) == (False, 90.0)
 
 
 @pytest.mark.parametrize("format", WRITERS)
@@ -141,6 +141,11 @@ def test_spellings_of_units(unit, factor):
     from excitation.units import factor as found
 
     assert found(unit, "acceleration") == pytest.approx(factor, rel=1e-15)
+
+
+def test_a_record_shows_itself_in_a_line():
+    record = ex.Record(0.005, 2.5 * np.sin(np.arange(20001)), component="HNE", source="a.asc", metadata={"x": "y"})
+    assert repr(record) == "Record(a.asc, HNE, 20001 samples at 0.005 s, PGA 2.5 m/s^2)"
 
 
 def test_bad_records_are_refused():
