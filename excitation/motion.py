@@ -8,6 +8,9 @@ is positive clockwise like the rotation of a block.  A subclass states
   serves NumPy, compiled loops and traced code;
 - `pitch_kernel(xp, t, par) -> (pitch [rad], pitch acceleration [rad/s^2])`: the same for the pitch; zero if not given;
 - `parameters`: the float64 array `par`, shape (parameter,), that both take;
+- `displacement_kernel(xp, t, par) -> x [m]`: the displacement of the base from rest, where that is a closed formula and
+  the base comes to rest; None if not;
+- `snap_kernel(xp, t, par) -> second derivative of a_x [m/s^4]`: where a_x and its slope are continuous; None if not;
 - `breakpoints`: times [s] at which the motion or its slope jumps, so that no integration step straddles one;
 - `max_step`: the longest step [s] that cannot miss a feature of the motion.
 """
@@ -53,6 +56,8 @@ class Motion(ABC):
         """(a_x, a_z) [m/s^2] at t [s] for the parameter array, in the array namespace xp."""
 
     pitch_kernel = staticmethod(_level)
+    displacement_kernel: Any = None
+    snap_kernel: Any = None
 
     @property
     @abstractmethod
@@ -68,6 +73,11 @@ class Motion(ABC):
     @abstractmethod
     def max_step(self) -> float:
         """The longest integration step [s] that cannot miss a feature of the motion."""
+
+    @property
+    def has_pitch(self) -> bool:
+        """Whether the base pitches at all; where it does not, a solver may leave `pitch_kernel` out."""
+        return self.pitch_kernel is not _level
 
     def __call__(self, t: ArrayLike) -> tuple[FloatArray, FloatArray]:
         times = _times(t)
@@ -101,7 +111,19 @@ class Motion(ABC):
 
     def _recipe(self) -> dict[str, str]:
         """Attributes from which `excitation.from_xarray` makes the same object; none if its samples say it all."""
-        if not dataclasses.is_dataclass(self):
+        made = self._description()
+        if made is None:
             return {}
+        return made | {"motion_arguments": json.dumps(made["motion_arguments"], default=float)}
+
+    def _description(self) -> dict[str, Any] | None:
+        """Class and arguments, those of motions inside too; None if samples are needed to say what it is."""
+        if not dataclasses.is_dataclass(self):
+            return None
         arguments = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
-        return {"motion_class": type(self).__name__, "motion_arguments": json.dumps(arguments, default=float)}
+        for name, value in arguments.items():
+            if isinstance(value, Motion):
+                arguments[name] = value._description()
+                if arguments[name] is None:
+                    return None
+        return {"motion_class": type(self).__name__, "motion_arguments": arguments}

@@ -72,6 +72,8 @@ def _linear(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
 class _Sampled(Motion):
     """What cubic and linear sampled motions share."""
 
+    interpolation: str
+
     def __init__(
         self, time_step: float, a_x: ArrayLike, a_z: ArrayLike | None = None, *, start: float = 0.0, name: str = ""
     ) -> None:
@@ -105,6 +107,10 @@ class _Sampled(Motion):
         """Values at `t` [s], or the samples themselves if `t` is not given, as a dataset with units."""
         return super().to_xarray(self.times if t is None else t)
 
+    def _recipe(self) -> dict[str, str]:
+        """What the samples do not say: how they are joined, and the name."""
+        return {"interpolation": self.interpolation} | ({"name": self.name} if self.name else {})
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, _Sampled) or type(self) is not type(other):
             return False
@@ -133,8 +139,14 @@ class SampledMotion(_Sampled):
         ValueError: a sample is not finite, the lengths differ, or `time_step` is not positive.
     """
 
+    interpolation = "cubic"
     kernel = staticmethod(_acceleration)
     pitch_kernel = staticmethod(_pitch)
+
+    @property
+    def has_pitch(self) -> bool:
+        """Whether pitch samples were given."""
+        return self.pitch_angle is not None
 
     def __init__(
         self,
@@ -194,6 +206,7 @@ class PiecewiseLinear(_Sampled):
     It takes no pitch: the acceleration of a pitch that goes in straight lines would be a row of blows.
     """
 
+    interpolation = "linear"
     kernel = staticmethod(_linear)
 
     @cached_property

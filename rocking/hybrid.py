@@ -40,10 +40,49 @@ class Mode(IntEnum):
 
 
 class Base(NamedTuple):
-    """Acceleration of the base [m/s^2], gravity not in it."""
+    """What the base does: acceleration, gravity not in it, and pitch about the middle of where the block stands."""
 
-    a_x: Any
-    a_z: Any
+    a_x: Any  # [m/s^2], horizontal
+    a_z: Any  # [m/s^2], vertical
+    pitch: Any = 0.0  # [rad], clockwise positive like theta
+    pitch_acceleration: Any = 0.0  # [rad/s^2]
+
+
+def in_floor_axes(xp: Any, base: Base, g: Any) -> tuple[Any, Any]:
+    """(A_x, A_z) [m/s^2]: acceleration of the base less gravity, along the floor and normal to it.
+
+    On a level floor that is (a_x, g + a_z).  A body in the frame of the floor feels the opposite of it.
+    """
+    cos, sin = xp.cos(base.pitch), xp.sin(base.pitch)
+    G = g + base.a_z
+    return base.a_x * cos - G * sin, base.a_x * sin + G * cos
+
+
+class Hooks(NamedTuple):
+    """What effects add to the equations of a system; the last field, `hooks`, of parameters that have any.
+
+    A system calls `accelerations[i](theta, omega, s, base, values[i])` for an angular acceleration [rad/s^2] and
+    `restitutions[i](e, omega, s, values[slots + i])` for a restitution.  The functions are written with an array
+    namespace `xp` before these arguments; a solver binds it (`bind_hooks`).
+    """
+
+    accelerations: tuple[Callable[..., Any], ...]
+    restitutions: tuple[Callable[..., Any], ...]
+    values: Any  # shape (2 slots, value): a row for each function
+
+
+def bind_hooks(par: Any, bind: Callable[[Callable[..., Any]], Callable[..., Any]]) -> Any:
+    """Parameters whose hooks have their namespace bound; parameters without hooks as they are."""
+    hooks = getattr(par, "hooks", None)
+    if hooks is None:
+        return par
+    bound = Hooks(tuple(map(bind, hooks.accelerations)), tuple(map(bind, hooks.restitutions)), hooks.values)
+    return par._replace(hooks=bound)
+
+
+def numbers_of(par: Any) -> Any:
+    """Parameters with the values of their hooks in place of these: numbers and arrays alone."""
+    return par._replace(hooks=par.hooks.values) if hasattr(par, "hooks") else par
 
 
 class Discrete(NamedTuple):
@@ -52,6 +91,17 @@ class Discrete(NamedTuple):
     mode: Any  # one of Mode
     s: Any  # carrying corner: +1.0 the +x corner, -1.0 the other
     slip: Any  # direction in which the carrying corner slips: +1.0 or -1.0; meaningless where it sticks
+
+
+class Anchor(NamedTuple):
+    """A point of the block whose motion relative to the base the state tells at once."""
+
+    X: Any  # where it is in the block frame [m]
+    Z: Any
+    x: Any  # where it is over the base [m]
+    z: Any
+    a_x: Any  # its acceleration relative to the base [m/s^2], in the axes of the floor
+    a_z: Any
 
 
 class System(Protocol):
@@ -78,6 +128,14 @@ class System(Protocol):
         """Tilt of unstable balance [rad]."""
 
     @property
+    def g(self) -> float:
+        """Acceleration of gravity [m/s^2]."""
+
+    @property
+    def carries_pitch(self) -> bool:
+        """Whether its equations have the pitch of the base in them."""
+
+    @property
     def inadmissible_reason(self) -> str:
         """A sentence on what happened when a run ends in the mode INADMISSIBLE."""
 
@@ -99,3 +157,6 @@ class System(Protocol):
 
     def initial_state(self, theta: float, omega: float) -> tuple[tuple[float, ...], Discrete]:
         """State (y, q) at the start: released at `theta` [rad] with `omega` [rad/s], or at rest."""
+
+    def anchor(self, y: Any, rate: Any, s: Any) -> Anchor:
+        """The point that instruments take as known, from a state, its rate of change and the carrying side."""

@@ -13,24 +13,23 @@ Status   between impacts; an impact itself is an impulse, of which a sample says
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rocking.hybrid import Base, Discrete
+from rocking.hybrid import Anchor, Base, Discrete, bind_hooks, in_floor_axes
+from rocking.motion import base_at
 from rocking.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
 
 class _Motion(NamedTuple):
-    """Motion of the carrying corner relative to the base, and of the block about it; arrays of shape (time,)."""
+    """Motion of the anchor of the block relative to the base, and of the block about it; arrays of shape (time,)."""
 
-    x: Array
-    z: Array
-    a_x: Array
-    a_z: Array
+    anchor: Anchor
     theta: Array
     omega: Array
     omega_dot: Array
@@ -39,27 +38,28 @@ class _Motion(NamedTuple):
 
 def _motion(trajectory: Trajectory) -> _Motion:
     system = trajectory.system
-    y = trajectory.y.T
-    a_x, a_z = trajectory.motion.kernel(np, trajectory.t, np.asarray(trajectory.motion.parameters))
+    y, names = trajectory.y.T, system.state_names
     zero = np.zeros_like(trajectory.t)
-    base = Base(a_x + zero, a_z + zero)
+    there = base_at(np, trajectory.motion, trajectory.t, np.asarray(trajectory.motion.parameters))
+    base = Base(*(value + zero for value in there))
     q = Discrete(trajectory.mode, trajectory.s, zero + 1.0)
-    if "u" in system.state_names:
+    if "u" in names:
         # The direction of slip, which a sample does not hold, is that of the slip velocity.
-        q = q._replace(slip=np.where(y[system.state_names.index("u")] < 0.0, -1.0, 1.0))
-    rate = dict(zip(system.state_names, system.flow(np, y, q, base, system.parameters), strict=True))
-    state = dict(zip(system.state_names, y, strict=True))
-    x = state.get("x", trajectory.s * 0.5 * system.block.b)
-    u_dot, v_dot = (np.asarray(rate.get(name, zero)) + zero for name in ("u", "v"))
-    return _Motion(x, state.get("z", zero), u_dot, v_dot, state["theta"], state["omega"], rate["omega"] + zero, base)
+        q = q._replace(slip=np.where(y[names.index("u")] < 0.0, -1.0, 1.0))
+    rate = [value + zero for value in system.flow(np, y, q, base, bind_hooks(system.parameters, _with_numpy))]
+    theta, omega = names.index("theta"), names.index("omega")
+    return _Motion(system.anchor(y, rate, trajectory.s), y[theta], y[omega], rate[omega], base)
 
 
-def _from_corner(trajectory: Trajectory, m: _Motion, position: tuple[float, float]) -> tuple[Array, Array]:
-    """Vector [m] from the carrying corner to the point of the block, in space."""
+def _with_numpy(hook: Any) -> Any:
+    return partial(hook, np)
+
+
+def _from_anchor(m: _Motion, position: tuple[float, float]) -> tuple[Array, Array]:
+    """Vector [m] from the anchor to the point of the block, in the axes of the floor."""
     if len(position) != 2 or not all(math.isfinite(value) for value in position):
         raise ValueError(f"position={position!r} m: want two finite numbers (X, Z) in the block frame")
-    along = position[0] - trajectory.s * 0.5 * trajectory.system.block.b
-    up = position[1]
+    along, up = position[0] - m.anchor.X, position[1] - m.anchor.Z
     cos, sin = np.cos(m.theta), np.sin(m.theta)
     return along * cos + up * sin, -along * sin + up * cos
 
@@ -75,8 +75,8 @@ def marker(trajectory: Trajectory, position: tuple[float, float]) -> tuple[Array
         ValueError: the position is not two finite numbers.
     """
     m = _motion(trajectory)
-    r_x, r_z = _from_corner(trajectory, m, position)
-    return m.x + r_x, m.z + r_z
+    r_x, r_z = _from_anchor(m, position)
+    return m.anchor.x + r_x, m.anchor.z + r_z
 
 
 def accelerometer(trajectory: Trajectory, position: tuple[float, float], direction: tuple[float, float]) -> Array:
@@ -94,10 +94,20 @@ def accelerometer(trajectory: Trajectory, position: tuple[float, float], directi
     if not (math.isfinite(length) and length > 0.0):
         raise ValueError(f"direction={direction!r}: want two finite numbers, not both zero")
     m = _motion(trajectory)
-    r_x, r_z = _from_corner(trajectory, m, position)
-    # Clockwise rotation: omega' gives (omega' r_z, -omega' r_x), the turning itself -omega^2 r.
-    a_x = m.base.a_x + m.a_x + m.omega_dot * r_z - m.omega**2 * r_x
-    a_z = m.base.a_z + m.a_z - m.omega_dot * r_x - m.omega**2 * r_z + trajectory.system.g
+    r_x, r_z = _from_anchor(m, position)
+    A_x, A_z = in_floor_axes(np, m.base, trajectory.system.g)
+    x, z, pitching = m.anchor.x + r_x, m.anchor.z + r_z, m.base.pitch_acceleration
+    # Clockwise rotation: omega' gives (omega' r_z, -omega' r_x), the turning itself -omega^2 r; a pitch the same about
+    # the middle of where the block stands.
+    a_x = A_x + pitching * z + m.anchor.a_x + m.omega_dot * r_z - m.omega**2 * r_x
+    a_z = A_z - pitching * x + m.anchor.a_z - m.omega_dot * r_x - m.omega**2 * r_z
     cos, sin = np.cos(m.theta), np.sin(m.theta)
     d_x, d_z = direction[0] / length, direction[1] / length
     return np.asarray(a_x * (d_x * cos + d_z * sin) + a_z * (-d_x * sin + d_z * cos))
+
+
+def rotation_sensor(trajectory: Trajectory) -> Array:
+    """Reading [rad] of the rotation sensor at the samples, shape (time,): theta with the effects on the sensor."""
+    from rocking.effects import rotation_reading
+
+    return np.asarray(rotation_reading(trajectory.theta, trajectory.effects))

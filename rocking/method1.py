@@ -4,6 +4,9 @@
     theta'' = -p^2 [ s (1 + a_z/g) (alpha - s theta) + a_x/g ]                        linear, eqs (2), (3)
     omega after = e omega before, the other corner carries                                         eq. (4)
 
+A base that pitches turns a_x, g + a_z into its own axes and adds -(1 - (3/4) sin(alpha) sin(alpha - s theta)) times
+its angular acceleration (Newton's law in the frame of the floor, own derivation; the square of its speed left out).
+
 Source   Yim, Chopra & Penzien (1980); Winkler, Meguro & Yamazaki (1995), eqs (2)-(4); West's formula, eq. (1), for
          the start of rocking.
 Status   no sliding and no jump, whatever the base does: the contact is taken to hold even where it would have to pull.
@@ -19,7 +22,7 @@ from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
 from rocking.block import G_STANDARD, Block
-from rocking.hybrid import REST, ROTATION, Base, Discrete
+from rocking.hybrid import REST, ROTATION, Anchor, Base, Discrete, in_floor_axes
 from rocking.validation import positive, within
 
 FALL, IMPACT, TIP = range(3)
@@ -39,17 +42,29 @@ class Parameters(NamedTuple):
 def nonlinear_flow(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any, Any]:
     """(omega, theta'') of the nonlinear block; zero at rest."""
     psi = par.alpha - q.s * y[0]
-    pull_back = q.s * (1.0 + base.a_z / par.g) * xp.sin(psi)
-    push = base.a_x / par.g * xp.cos(psi)
+    A_x, A_z = in_floor_axes(xp, base, par.g)
+    sin = xp.sin(psi)
+    pitching = (1.0 - 0.75 * xp.sin(par.alpha) * sin) * base.pitch_acceleration
     rotating = xp.where(q.mode == ROTATION, 1.0, 0.0)
-    return rotating * y[1], -rotating * par.p2 * (pull_back + push)
+    return rotating * y[1], -rotating * (par.p2 / par.g * (q.s * A_z * sin + A_x * xp.cos(psi)) + pitching)
 
 
 def linear_flow(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any, Any]:
     """(omega, theta'') of eqs (2) and (3) as printed; zero at rest."""
-    pull_back = q.s * (1.0 + base.a_z / par.g) * (par.alpha - q.s * y[0])
+    psi = par.alpha - q.s * y[0]
+    A_x, A_z = in_floor_axes(xp, base, par.g)
+    pitching = (1.0 - 0.75 * par.alpha * psi) * base.pitch_acceleration
     rotating = xp.where(q.mode == ROTATION, 1.0, 0.0)
-    return rotating * y[1], -rotating * par.p2 * (pull_back + base.a_x / par.g)
+    return rotating * y[1], -rotating * (par.p2 / par.g * (q.s * A_z * psi + A_x) + pitching)
+
+
+def _push(xp: Any, base: Base, par: Parameters) -> tuple[Any, Any]:
+    """(acceleration [m/s^2] that drives the standing block over, what it can stand), with that of a pitch in both."""
+    A_x, A_z = in_floor_axes(xp, base, par.g)
+    cos = xp.cos(par.alpha)
+    # H + I_c / (m H) of a uniform rectangle, whose R is 3 g / (4 p^2).
+    lever = 0.75 * par.g / par.p2 * (cos + 1.0 / (3.0 * cos))
+    return A_x + lever * base.pitch_acceleration, par.onset * A_z
 
 
 def guards(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any, Any, Any]:
@@ -57,7 +72,8 @@ def guards(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[A
     rotating = q.mode == ROTATION
     fall = 0.5 * math.pi - xp.abs(y[0])
     impact = xp.where(rotating, q.s * y[0], 1.0)
-    tip = xp.where(rotating, 1.0, par.onset * (par.g + base.a_z) - xp.abs(base.a_x))
+    push, stands = _push(xp, base, par)
+    tip = xp.where(rotating, 1.0, stands - xp.abs(push))
     return fall, impact, tip
 
 
@@ -65,9 +81,9 @@ def jump(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters, k: Any) -> t
     """Impact: eq. (4), and rest if it was the last.  Tip: rotation about the corner that the base drives under."""
     impact = k == IMPACT
     omega = xp.where(impact, par.e * y[1], 0.0)
-    holds = xp.abs(base.a_x) <= par.onset * (par.g + base.a_z)
-    rests = impact & (xp.abs(omega) < par.omega_rest) & holds
-    pushed = xp.where(base.a_x > 0.0, -1.0, 1.0)
+    push, stands = _push(xp, base, par)
+    rests = impact & (xp.abs(omega) < par.omega_rest) & (xp.abs(push) <= stands)
+    pushed = xp.where(push > 0.0, -1.0, 1.0)
     s = xp.where(impact, -q.s, pushed)
     mode = xp.where(rests, REST, ROTATION)
     return (0.0 * y[0], xp.where(rests, 0.0, omega)), Discrete(mode, s, q.slip)
@@ -107,6 +123,7 @@ class Method1:
     name = "method1"
     state_names = ("theta", "omega")
     guard_names = ("fall", "impact", "tip")
+    carries_pitch = True
     inadmissible_reason = ""
     guards = staticmethod(guards)
     jump = staticmethod(jump)
@@ -157,3 +174,7 @@ class Method1:
         s = -1.0 if leans < 0.0 else 1.0
         mode = REST if leans == 0.0 else ROTATION
         return (float(theta), float(omega)), Discrete(mode, s, 1.0)
+
+    def anchor(self, y: Any, rate: Any, s: Any) -> Anchor:
+        """The carrying corner, which stands still."""
+        return Anchor(s * 0.5 * self.block.b, 0.0, s * 0.5 * self.block.b, 0.0, 0.0, 0.0)

@@ -11,10 +11,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 from rocking.block import G_STANDARD, Block
-from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, SLIDE, SLIDE_ROTATION, TRANSLATION_JUMP, Discrete
+from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, SLIDE, SLIDE_ROTATION, TRANSLATION_JUMP, Anchor, Discrete
 from rocking.method2_equations import (
     FRICTIONAL,
     KINEMATIC,
@@ -95,6 +95,7 @@ class Method2:
     name = "method2"
     state_names = ("x", "z", "theta", "u", "v", "omega")
     guard_names = ("fall", "landing", "contact", "slip", "stick", "lift", "tip")
+    carries_pitch = False
     inadmissible_reason = (
         "friction without limit would have to pull the corner down: no mode is admissible (want a finite friction)"
     )
@@ -200,6 +201,10 @@ class Method2:
         s = -1.0 if (leans if leans != 0.0 else u) < 0.0 else 1.0
         y = (x + s * 0.5 * self.block.b, float(z), float(theta), float(u), float(v), float(omega))
         return y, Discrete(self._initial_mode(y, leans), s, -1.0 if u < 0.0 else 1.0)
+
+    def anchor(self, y: Any, rate: Any, s: Any) -> Anchor:
+        """The carrying corner."""
+        return Anchor(s * 0.5 * self.block.b, 0.0, y[0], y[1], rate[3], rate[4])
 
     def _initial_mode(self, y: tuple[float, ...], leans: float) -> int:
         _, z, _, u, v, omega = y

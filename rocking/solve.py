@@ -9,12 +9,15 @@ True
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rocking.effect import Effect
 from rocking.hybrid import Discrete, System
-from rocking.motion import BaseMotion, Still
+from rocking.motion import BaseMotion, Still, pitch_kernel
 from rocking.solvers import load
 from rocking.trajectory import Trajectory
 from rocking.validation import positive
@@ -37,6 +40,7 @@ def solve(
     atol: float = 1e-12,
     save_at: ArrayLike | None = None,
     max_events: int = 1_000_000,
+    effects: Sequence[Effect] = (),
 ) -> Trajectory:
     """Carry a block from `t_start` to its fall or to `t_end`.
 
@@ -50,14 +54,15 @@ def solve(
         rtol, atol: relative and absolute tolerance [SI units of the state] of a step.
         save_at: times [s], ascending, shape (time,), at which the state is kept; 1001 equal steps if not given.
         max_events: the run ends as failed when it has more events.
+        effects: what the ideal block lacks, of `rocking.effects`; initial states are those of the ideal block.
 
     Returns:
         Trajectory: samples, events and outcome.  A run that cannot go on ends with `Outcome.FAILED` and a `reason`.
 
     Raises:
-        ValueError: an argument is out of range, the solver is unknown, or it declines the system or the motion.
+        ValueError: an argument is out of range, the solver is unknown, or it declines the system or the motion, or the
+            system cannot carry an effect.
     """
-    base = Still() if motion is None else motion
     for name, value in (("t_start", t_start), ("theta", theta), ("omega", omega)):
         if not math.isfinite(value):
             raise ValueError(f"{name}={value!r}: want a finite number")
@@ -74,12 +79,21 @@ def solve(
     times = np.linspace(t_start, t_end, DEFAULT_SAMPLES) if save_at is None else np.asarray(save_at, float)
     if times.ndim != 1 or np.any(np.diff(times) < 0.0) or not np.all((times >= t_start) & (times <= t_end)):
         raise ValueError(f"save_at: want ascending times between t_start={t_start!r} and t_end={t_end!r} s")
+    base = Still() if motion is None else motion
+    if effects:
+        from rocking.effects import base_with, compose
+
+        system = compose(system, effects)
+        base = base_with(base, effects, (float(t_start), float(t_end)), system.g)
+    if pitch_kernel(base) is not None and not system.carries_pitch:
+        raise ValueError(f"motion={base!r}: {system.name} does not carry a base that pitches, want Method 1 for that")
     carrier = load(solver)
     refusal = carrier.declines(system, base)
     if refusal is not None:
         raise ValueError(f"solver={solver!r} declines: {refusal}")
     y0, q0 = system.initial_state(theta, omega) if initial is None else initial
-    return carrier.solve(
+    run = carrier.solve(
         system, base, y0, q0, (float(t_start), float(t_end)),
         rtol=rtol, atol=atol, save_at=times, max_events=max_events,
     )  # fmt: skip
+    return replace(run, effects=tuple(effects)) if effects else run

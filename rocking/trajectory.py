@@ -67,7 +67,8 @@ class Trajectory:
 
     `t` [s], shape (time,), are the times asked for up to the end of the run; `y`, shape (time, state), the states
     there, named by `system.state_names`; `mode` and `s`, shape (time,), the mode and the carrying corner.
-    `peak_rotation` [rad] is the largest |theta| of the whole run, between the samples too.
+    `peak_rotation` [rad] is the largest |theta| of the whole run, between the samples too.  `effects` are those that
+    `solve` was given; `system` and `motion` have them in already.
     """
 
     system: Any
@@ -85,6 +86,7 @@ class Trajectory:
     reason: str = ""
     statistics: dict[str, int] = field(default_factory=dict)
     peak_rotation: float = math.nan
+    effects: tuple[Any, ...] = ()
 
     def __repr__(self) -> str:
         note = f", {self.reason}" if self.reason else ""

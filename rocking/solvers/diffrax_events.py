@@ -19,7 +19,7 @@ import numpy as np
 from jax import lax
 from numpy.typing import NDArray
 
-from rocking.hybrid import Discrete, System
+from rocking.hybrid import Discrete, System, numbers_of
 from rocking.motion import BaseMotion
 from rocking.solvers.diffrax_loop import advance, start
 from rocking.solvers.diffrax_model import RUNNING, Inputs, Model, Progress, model_of
@@ -85,7 +85,7 @@ class DiffraxEvents:
         chunks = []
         with jax.enable_x64(True):
             inputs = Inputs(
-                par=jax.tree.map(lambda value: jnp.asarray(value, float), system.parameters),
+                par=jax.tree.map(lambda value: jnp.asarray(value, float), numbers_of(system.parameters)),
                 motion_par=jnp.asarray(motion.parameters, float),
                 edges=jnp.asarray(padded(np.unique(segment_edges(motion, *t_span)), t_span[1])),
                 max_step=jnp.asarray(motion.max_step, float),

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple, Protocol
 
 import jax.numpy as jnp
 from jax import lax
 
-from rocking.hybrid import Base, Discrete, System
-from rocking.motion import BaseMotion
+from rocking.hybrid import Base, Discrete, Hooks, System, bind_hooks
+from rocking.motion import BaseMotion, pitch_kernel
 from rocking.solvers.diffrax_steps import Attempt
 
 RUNNING = -1
@@ -31,6 +32,16 @@ class Model(NamedTuple):
     theta: int
     omega: int
     impacts: tuple[int, ...]  # the guards that are impacts
+    pitch: Callable[..., Any] | None = None  # pitch_kernel of the motion
+    accelerations: tuple[Callable[..., Any], ...] = ()  # hooks of the system, if it has any
+    restitutions: tuple[Callable[..., Any], ...] = ()
+
+    def with_hooks(self, numbers: Any) -> Any:
+        """The parameters that the system's functions take, from their numbers alone (`hybrid.numbers_of`)."""
+        if not hasattr(numbers, "hooks"):
+            return numbers
+        whole = numbers._replace(hooks=Hooks(self.accelerations, self.restitutions, numbers.hooks))
+        return bind_hooks(whole, lambda hook: partial(hook, jnp))
 
 
 def model_of(system: System, motion: BaseMotion) -> Model:
@@ -38,13 +49,17 @@ def model_of(system: System, motion: BaseMotion) -> Model:
     states, guards = system.state_names, system.guard_names
     impacts = tuple(guards.index(name) for name in ("impact", "landing", "contact") if name in guards)
     functions = (system.flow, system.guards, system.jump, system.balance, motion.kernel)
-    return Model(*functions, states.index("theta"), states.index("omega"), impacts)
+    hooks = getattr(system.parameters, "hooks", Hooks((), (), None))
+    return Model(
+        *functions, states.index("theta"), states.index("omega"), impacts,
+        pitch_kernel(motion), hooks.accelerations, hooks.restitutions,
+    )  # fmt: skip
 
 
 class Inputs(NamedTuple):
     """The numbers of a run."""
 
-    par: Any  # parameters of the system
+    par: Any  # parameters of the system, as numbers alone
     motion_par: Any  # shape (parameter,)
     edges: Any  # times [s] between which the motion is smooth, ascending, shape (stretch + 1,)
     max_step: Any  # [s]
@@ -121,16 +136,17 @@ class Physics:
     def base(self, t: Any) -> Base:
         """Base acceleration; at an edge of the stretch its limit from within."""
         inside = t + lax.stop_gradient(jnp.clip(t, self.low, self.high) - t)
-        a_x, a_z = self.model.motion(jnp, inside, self.motion_par)
-        return Base(a_x + 0.0 * t, a_z + 0.0 * t)
+        acceleration = self.model.motion(jnp, inside, self.motion_par)
+        pitch = () if self.model.pitch is None else self.model.pitch(jnp, inside, self.motion_par)
+        return Base(*(value + 0.0 * t for value in (*acceleration, *pitch)))
 
     def flow(self, t: Any, y: Any, q: Discrete) -> Any:
         """dy/dt, shape (state,)."""
-        return _row(self.model.flow(jnp, y, q, self.base(t), self.par), y)
+        return _row(self.model.flow(jnp, y, q, self.base(t), self.model.with_hooks(self.par)), y)
 
     def guards(self, t: Any, y: Any, q: Discrete) -> Any:
         """Values of the guards, shape (guard,)."""
-        return _row(self.model.guards(jnp, y, q, self.base(t), self.par), y)
+        return _row(self.model.guards(jnp, y, q, self.base(t), self.model.with_hooks(self.par)), y)
 
     def balance(self, y: Any) -> Any:
         """Rises through zero at the tilt of unstable balance."""
@@ -138,7 +154,7 @@ class Physics:
 
     def jump(self, t: Any, y: Any, q: Discrete, guard: Any) -> tuple[Any, Discrete]:
         """State after the guard has fallen to zero."""
-        after, q_after = self.model.jump(jnp, y, q, self.base(t), self.par, guard)
+        after, q_after = self.model.jump(jnp, y, q, self.base(t), self.model.with_hooks(self.par), guard)
         return _row(after, y), discrete(q_after)
 
 

@@ -42,7 +42,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rocking.hybrid import Discrete, System
+from rocking.hybrid import Discrete, System, numbers_of
 from rocking.motion import BaseMotion, Still
 from rocking.solvers.diffrax_model import discrete, model_of
 from rocking.solvers.diffrax_records import SummaryRecorder
@@ -200,7 +200,7 @@ def _run(
         raise ValueError("initial: want it without theta and omega, which it already holds")
     y0, q0 = system.initial_state(*released) if initial is None else initial
     return Run(
-        par=system.parameters if parameters is None else parameters,
+        par=numbers_of(system.parameters if parameters is None else parameters),
         motion_par=motion.parameters if motion_parameters is None else motion_parameters,
         breakpoints=np.asarray(motion.breakpoints, float) if breakpoints is None else breakpoints,
         span=span,

@@ -16,10 +16,16 @@ from numba import types
 from numba.np.unsafe.ndarray import to_fixed_tuple
 from numpy.typing import NDArray
 
-from rocking.hybrid import REST, Discrete, System
-from rocking.motion import BaseMotion
+from rocking.hybrid import REST, Discrete, Hooks, System
+from rocking.motion import BaseMotion, pitch_kernel
 from rocking.solvers.numba_compile import compiled
-from rocking.solvers.numba_functions import motion_function, system_functions
+from rocking.solvers.numba_functions import (
+    compiled_hooks,
+    motion_function,
+    parameter_type,
+    shape_of,
+    system_functions,
+)
 from rocking.solvers.recording import FELL, REACHED_END, segment_edges
 from rocking.trajectory import BALANCE
 
@@ -30,16 +36,29 @@ State = tuple[tuple[float, ...], Discrete]
 
 
 @cache
-def _loop_over_runs(functions: tuple[Any, ...], kind: Any, n_par: int) -> Any:
+def _loop_over_runs(functions: tuple[Any, ...], kind: Any, n_par: int, slots: int) -> Any:
     """The loop over runs; `functions` are flow, guards, jump, balance, motion and the loop of one run."""
+    if slots == 0:
+
+        @numba.njit(error_model="numpy")
+        def parameters(numbers, hooks, values):
+            return kind(*to_fixed_tuple(numbers, n_par))  # type: ignore[call-arg]
+
+    else:
+
+        @numba.njit(error_model="numpy")
+        def parameters(numbers, hooks, values):
+            own = Hooks(hooks.accelerations, hooks.restitutions, values)
+            return kind(*to_fixed_tuple(numbers, n_par), own)  # type: ignore[call-arg]
 
     def batch(
-        flow, guards, jump, balance, motion, run, y0, q0, pars, mpars, edges, steps, tol, most, n_guards, is_impact, at
-    ):
+        flow, guards, jump, balance, motion, run, y0, q0, pars, hooks, values, mpars, edges, steps, tol, most,
+        n_guards, is_impact, at,
+    ):  # fmt: skip
         out = np.empty((y0.shape[0], COLUMNS))
         for i in numba.prange(y0.shape[0]):
             q = Discrete(int(q0[i, 0]), q0[i, 1], q0[i, 2])
-            par = kind(*to_fixed_tuple(pars[i], n_par))  # type: ignore[call-arg]
+            par = parameters(pars[i], hooks, values[i])
             status, t, mode, _, peak, _, (times, codes, _, states) = run(
                 flow, guards, jump, balance, motion, y0[i], q, par, mpars[i], edges[i], steps[i], tol, np.empty(0),
                 most, n_guards, at,
@@ -61,8 +80,11 @@ def _loop_over_runs(functions: tuple[Any, ...], kind: Any, n_par: int) -> Any:
     row, table = f8[::1], f8[:, ::1]
     pointers = [types.FunctionType(function.nopython_signatures[0]) for function in functions]
     flags, watched = types.boolean[::1], types.UniTuple(i8, 2)
-    arguments = (*pointers, table, table, table, table, table, row, row, i8, i8, flags, watched)
-    label = f"batch_{kind.__module__}_{kind.__qualname__}".replace(".", "_")
+    held = types.int64 if slots == 0 else parameter_type(kind, n_par, slots).types[-1]
+    arguments = (
+        *pointers, table, table, table, held, f8[:, :, ::1], table, table, row, row, i8, i8, flags, watched
+    )  # fmt: skip
+    label = f"batch_{kind.__module__}_{kind.__qualname__}_{slots}".replace(".", "_")
     return compiled(batch, arguments, label, parallel=True)
 
 
@@ -73,6 +95,23 @@ def _edges(motions: Sequence[BaseMotion], t_start: float, t_end: float) -> NDArr
     for i, row in enumerate(rows):
         table[i, : len(row)] = row
     return table
+
+
+def _hooks_of(systems: Sequence[System], slots: int) -> tuple[Any, NDArray[np.float64]]:
+    """Compiled hooks that all runs share, and the values of each, shape (run, 2 slots, value).
+
+    Raises:
+        ValueError: the systems have different hooks, or different numbers of values.
+    """
+    if slots == 0:
+        return 0, np.zeros((len(systems), 0, 0))
+    each = [s.parameters.hooks for s in systems]
+    if any((h.accelerations, h.restitutions) != (each[0].accelerations, each[0].restitutions) for h in each):
+        raise ValueError("systems: want the same effects on the equations of motion and on the impact in a batch")
+    if any(np.shape(h.values) != np.shape(each[0].values) for h in each):
+        raise ValueError("systems: want effects with as many values each in a batch")
+    held = compiled_hooks(each[0])._replace(values=np.ascontiguousarray(each[0].values, np.float64))
+    return held, np.ascontiguousarray([h.values for h in each], dtype=np.float64)
 
 
 def run_batch(
@@ -100,20 +139,29 @@ def run_batch(
     kind: Any = type(first.parameters)
     if any(s.flow is not first.flow or s.jump is not first.jump for s in systems):
         raise ValueError("systems: want them of one method and form in a batch")
-    if any(m.kernel is not base.kernel or len(m.parameters) != len(base.parameters) for m in motions):
+    if any(
+        m.kernel is not base.kernel
+        or pitch_kernel(m) is not pitch_kernel(base)
+        or len(m.parameters) != len(base.parameters)
+        for m in motions
+    ):
         raise ValueError("motions: want them of one kind, with as many parameters each, in a batch")
     y0 = np.array([y for y, _ in states], dtype=np.float64)
-    names, n_guards, n_par = first.state_names, len(first.guard_names), len(first.parameters)
+    names, n_guards, (n_par, slots) = first.state_names, len(first.guard_names), shape_of(first.parameters)
     functions, run = system_functions(
-        first.flow, first.guards, first.jump, first.balance, kind, y0.shape[1], n_par, n_guards
+        first.flow, first.guards, first.jump, first.balance, kind, y0.shape[1], n_par, slots, n_guards
     )
-    every = (*functions, motion_function(base.kernel), run)
+    every = (*functions, motion_function(base), run)
+    numbers = np.array([s.parameters[:n_par] for s in systems], dtype=np.float64)
+    hooks, values = _hooks_of(systems, slots)
     out = np.asarray(
-        _loop_over_runs(every, kind, n_par)(
+        _loop_over_runs(every, kind, n_par, slots)(
             *every,
             y0,
             np.array([[q.mode, q.s, q.slip] for _, q in states], dtype=np.float64),
-            np.array([s.parameters for s in systems], dtype=np.float64),
+            numbers,
+            hooks,
+            values,
             np.array([m.parameters for m in motions], dtype=np.float64),
             _edges(motions, *t_span),
             np.array([m.max_step for m in motions], dtype=np.float64),

@@ -8,19 +8,25 @@ an edit leads to a new name, and the files of the old one are deleted.  A second
 from __future__ import annotations
 
 import hashlib
+import re
 import sys
+import warnings
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from types import FunctionType
+from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numba
+import numpy as np
 from numba.extending import register_jitable
 
 import rocking
 from rocking.solvers import numba_namespace
+
+# Hooks are pointers in a tuple, which numba calls experimental each time that it sees them.
+warnings.filterwarnings("ignore", "First-class function type", numba.core.errors.NumbaExperimentalFeatureWarning)
 
 _registered: dict[FunctionType, frozenset[str]] = {}
 
@@ -38,19 +44,45 @@ def make_jitable(function: Any) -> frozenset[str]:
     return _registered[function]
 
 
-@cache
-def _package_sources() -> tuple[str, ...]:
-    folder = Path(rocking.__file__).parent
-    return tuple(sorted(str(path) for path in folder.rglob("*.py")))
+def _reach(thing: Any, files: set[str], constants: dict[str, str], seen: set[int]) -> None:
+    """Gather what compiled code takes from `thing`: source files of functions, types and modules, and constants."""
+    function = getattr(thing, "py_func", thing)
+    if id(function) in seen:
+        return
+    seen.add(id(function))
+    if isinstance(function, type | ModuleType):
+        module = sys.modules.get(function.__module__) if isinstance(function, type) else function
+        if module is not None and module.__name__.partition(".")[0] == rocking.__name__:
+            files.add(str(module.__file__))
+    elif isinstance(function, FunctionType):
+        files.add(function.__code__.co_filename)
+        cells = dict(zip(function.__code__.co_freevars, function.__closure__ or (), strict=True))
+        found = {name: function.__globals__[name] for name in _names(function.__code__) if name in function.__globals__}
+        for name, value in (found | {name: cell.cell_contents for name, cell in cells.items()}).items():
+            if isinstance(value, int | float | str | tuple | np.ndarray):
+                constants[f"{function.__module__}.{function.__qualname__}.{name}"] = repr(np.asarray(value).tolist())
+            _reach(value, files, constants, seen)
+
+
+def _names(code: CodeType) -> set[str]:
+    """Global names that a function and the functions inside it use."""
+    inner = (_names(constant) for constant in code.co_consts if isinstance(constant, CodeType))
+    return set(code.co_names).union(*inner)
 
 
 @cache
-def _digest(files: frozenset[str]) -> str:
-    """A short digest of the contents of `files` and of all sources of this package."""
-    digest = hashlib.sha256()
-    for name in sorted(files.union(_package_sources())):
-        path = Path(name)
-        digest.update(path.read_bytes() if path.is_file() else name.encode())
+def _content(name: str) -> bytes:
+    path = Path(name)
+    return path.read_bytes() if path.is_file() else name.encode()
+
+
+def _digest(body: Any, files: Iterable[str]) -> str:
+    """A short digest of all sources and constants that a function may depend on."""
+    reached, constants = {__file__, *files}, dict[str, str]()
+    _reach(body, reached, constants, set())
+    digest = hashlib.sha256(repr(sorted(constants.items())).encode())
+    for name in sorted(reached):
+        digest.update(_content(name))
     return digest.hexdigest()[:12]
 
 
@@ -65,8 +97,10 @@ def _drop_stale(dispatcher: Any, label: str, digest: str) -> None:
     folder = dispatcher.stats.cache_path
     if folder is None:
         return
+    older = re.compile(rf"\.{re.escape(label)}_([0-9a-f]{{12}})-")
     for path in Path(folder).glob(f"*.{label}_*-*.nb[ci]"):
-        if f".{label}_{digest}-" not in path.name:
+        found = older.search(path.name)
+        if found is not None and found[1] != digest:
             with suppress(OSError):  # another process may have deleted it, or the folder may be read-only
                 path.unlink()
 
@@ -79,7 +113,7 @@ def compiled(
     keep=False compiles for this process alone: for functions that another process could not find by name.
     parallel=True spreads loops over `prange` over the cores.
     """
-    digest = _digest(frozenset(files))
+    digest = _digest(body, files)
     body.__qualname__ = f"{label}_{digest}"
     dispatcher = numba.njit(signature, cache=keep, nogil=True, error_model="numpy", parallel=parallel)(body)
     if keep:
@@ -96,5 +130,28 @@ def bound(function: Any, arity: int, signature: Any) -> Any:
         4: lambda a, b, c, d: function(xp, a, b, c, d),
         5: lambda a, b, c, d, e: function(xp, a, b, c, d, e),
     }
-    label = f"{function.__module__}.{function.__qualname__}".replace(".", "_").replace("<locals>", "local")
-    return compiled(bodies[arity], signature, label, files, keep=_importable(function))
+    return compiled(bodies[arity], signature, _label(function, arity), files, keep=_importable(function))
+
+
+def bound_motion(kernel: Any, pitch: Any, signature: Any) -> Any:
+    """A motion's kernel and pitch_kernel (None: level) as one compiled function (t, par) -> four numbers."""
+    files = make_jitable(kernel) | make_jitable(pitch)
+    xp = numba_namespace
+
+    def level(t, par):
+        a_x, a_z = kernel(xp, t, par)
+        return a_x, a_z, 0.0, 0.0
+
+    def pitching(t, par):
+        a_x, a_z = kernel(xp, t, par)
+        angle, acceleration = pitch(xp, t, par)
+        return a_x, a_z, angle, acceleration
+
+    body, parts = (level, (kernel,)) if pitch is None else (pitching, (kernel, pitch))
+    label = "_with_".join(_label(part, 2) for part in parts)
+    return compiled(body, signature, label, files, keep=all(_importable(part) for part in parts))
+
+
+def _label(function: Any, arity: int) -> str:
+    name = f"{function.__module__}.{function.__qualname__}_{arity}"
+    return name.replace(".", "_").replace("<locals>", "local")

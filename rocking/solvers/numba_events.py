@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rocking.hybrid import Discrete, System
 from rocking.motion import BaseMotion
-from rocking.solvers.numba_functions import motion_function, system_functions
+from rocking.solvers.numba_functions import compiled_parameters, motion_function, shape_of, system_functions
 from rocking.solvers.recording import segment_edges, trajectory
 from rocking.trajectory import Events, Trajectory
 
@@ -56,14 +56,14 @@ class NumbaEvents:
         kind: Any = type(par)
         n_guards = len(system.guard_names)
         functions, loop = system_functions(
-            system.flow, system.guards, system.jump, system.balance, kind, len(y0), len(par), n_guards
+            system.flow, system.guards, system.jump, system.balance, kind, len(y0), *shape_of(par), n_guards
         )
         status, t, last_mode, steps, peak, saved, table = loop(
             *functions,
-            motion_function(motion.kernel),
+            motion_function(motion),
             np.array(y0, dtype=np.float64),
             _discrete(q0),
-            kind(*(float(value) for value in par)),
+            compiled_parameters(par),
             np.ascontiguousarray(motion.parameters, dtype=np.float64),
             segment_edges(motion, *t_span),
             float(motion.max_step),

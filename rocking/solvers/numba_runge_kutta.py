@@ -44,9 +44,9 @@ STAGES = 7
 
 @numba.njit(error_model="numpy")
 def base_at(motion, t, low, high, motion_par):
-    """Base acceleration at t; at an edge of a smooth stretch, its limit from within."""
-    a_x, a_z = motion(min(max(t, low), high), motion_par)
-    return Base(a_x, a_z)
+    """What the base does at t; at an edge of a smooth stretch, its limit from within."""
+    a_x, a_z, pitch, pitch_acceleration = motion(min(max(t, low), high), motion_par)
+    return Base(a_x, a_z, pitch, pitch_acceleration)
 
 
 @numba.njit(error_model="numpy")

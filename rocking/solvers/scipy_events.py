@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -15,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocking import scalars
-from rocking.hybrid import INADMISSIBLE, Base, Discrete, System
-from rocking.motion import BaseMotion
+from rocking.hybrid import INADMISSIBLE, Base, Discrete, System, bind_hooks
+from rocking.motion import BaseMotion, base_at
 from rocking.solvers.recording import (
     CHECKS_PER_STEP,
     FELL,
@@ -41,7 +42,7 @@ class _Run:
 
     def __init__(self, system: System, motion: BaseMotion, y: State, q: Discrete, save_at: State) -> None:
         self.system, self.motion = system, motion
-        self.par = system.parameters
+        self.par = bind_hooks(system.parameters, lambda hook: partial(hook, scalars))
         self.motion_par = [float(v) for v in motion.parameters]
         self.y, self.q = y, q
         self.save_at = save_at
@@ -56,7 +57,7 @@ class _Run:
     def base(self, t: float) -> Base:
         """Base acceleration; at an edge of a smooth stretch, its limit from within."""
         inside = min(max(t, self.low), self.high)
-        return Base(*self.motion.kernel(scalars, inside, self.motion_par))
+        return base_at(scalars, self.motion, inside, self.motion_par)
 
     def flow(self, t: float, y: State) -> tuple[float, ...]:
         self.statistics["flow_evaluations"] += 1

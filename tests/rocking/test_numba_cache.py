@@ -61,8 +61,8 @@ def test_method_1_is_compiled_once_and_again_when_its_physics_is_edited(package:
     assert cache_files(package) == compiled, "the second process compiled something again"
     edit(
         package / "rocking" / "method1.py",
-        "return rotating * y[1], -rotating * par.p2 * (pull_back + push)",
-        "return rotating * y[1], -rotating * 2.0 * par.p2 * (pull_back + push)",
+        "return rotating * y[1], -rotating * (par.p2 / par.g * (q.s * A_z * sin + A_x * xp.cos(psi)) + pitching)",
+        "return rotating * y[1], -2.0 * rotating * (par.p2 / par.g * (q.s * A_z * sin + A_x * xp.cos(psi)) + pitching)",
     )
     # Solver tolerance of two runs: 1e-8.
     assert second_impact(package, "method1") == pytest.approx(first / 2.0**0.5, rel=1e-8)

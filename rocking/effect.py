@@ -1,0 +1,106 @@
+"""What an effect is: something real that the ideal block on its ideal base lacks, and the ways in which it may act.
+
+An effect is a frozen dataclass whose fields are its parameters, floats in SI units whose defaults mean "not there".  It
+acts in one or more of these ways, each a member that it overrides:
+
+- `acceleration(xp, theta, omega, s, base, values) -> theta''` [rad/s^2]: a plain function, added to the flow;
+- `restitution(xp, e, omega, s, values) -> e`: a plain function, applied at an impact to what the form gives;
+- `values(form)`: the numbers that these two take (the fields, if it does not say otherwise);
+- `form(form, block)`: shape and mass of the block, lever, lift-off;
+- `modes(method)`: other modes of motion, by another method;
+- `freedoms(system)`: further freedoms: a system with a longer state in place of that of `rocking.composed`;
+- `base_motion(motion, span, g)`: what the base really does;
+- `reading(theta)`: what the rotation sensor says.
+
+Source   each effect names its own.
+Status   `rocking.effects` finds effects and puts them together.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, ClassVar
+
+if TYPE_CHECKING:
+    from rocking.block import Block
+    from rocking.composed import ComposedMethod1
+    from rocking.form import Form
+    from rocking.hybrid import System
+    from rocking.method1 import Method1
+    from rocking.motion import BaseMotion
+
+WAYS = ("acceleration", "restitution", "form", "modes", "freedoms", "base_motion", "reading")
+"""The members by which an effect may act."""
+
+
+class Effect:
+    """Base of effects: acts in no way.
+
+    A subclass is a frozen dataclass that states `name` (that of its module) and `units`, by parameter, and overrides
+    what it does.
+    """
+
+    name: ClassVar[str] = ""
+    units: ClassVar[dict[str, str]] = {}
+    ranges: ClassVar[dict[str, tuple[float, float]]] = {}
+    """Lowest and highest value of a parameter, where there is one; both are allowed."""
+
+    rank: ClassVar[int] = 0
+    """Effects on the base and the sensors act in the order of their ranks."""
+
+    acceleration: ClassVar[Callable[..., Any] | None] = None
+    restitution: ClassVar[Callable[..., Any] | None] = None
+
+    def __post_init__(self) -> None:
+        for name, value in self.parameters().items():
+            low, high = self.ranges.get(name, (-math.inf, math.inf))
+            if not low <= value <= high:
+                want = "a number" if (low, high) == (-math.inf, math.inf) else f"{low:g} to {high:g}"
+                raise ValueError(f"{self.name}.{name}={value!r} {self.units.get(name, '1')}: want {want}")
+
+    @classmethod
+    def parameter_names(cls) -> tuple[str, ...]:
+        """Names of the parameters."""
+        return tuple(field.name for field in dataclasses.fields(cls))  # type: ignore[arg-type]
+
+    def parameters(self) -> dict[str, float]:
+        """The parameters that are given, by name."""
+        values = {name: getattr(self, name) for name in self.parameter_names()}
+        return {name: value for name, value in values.items() if value is not None}
+
+    @classmethod
+    def absent(cls, block: Block) -> dict[str, float]:
+        """Value of each parameter at which the effect is not there, for this block."""
+        fields = dataclasses.fields(cls)  # type: ignore[arg-type]
+        return {field.name: float(field.default) for field in fields}  # type: ignore[arg-type]
+
+    @classmethod
+    def ways(cls) -> frozenset[str]:
+        """The ways in which it acts: those of `WAYS` that it overrides."""
+        return frozenset(way for way in WAYS if getattr(cls, way) is not getattr(Effect, way))
+
+    def values(self, form: Form) -> tuple[float, ...]:
+        """Numbers that `acceleration` and `restitution` take."""
+        return tuple(float(value) for value in self.parameters().values())
+
+    def form(self, form: Form, block: Block) -> Form:
+        """The form with the effect in it."""
+        return form
+
+    def modes(self, method: Method1) -> System:
+        """The block under a method that has the effect's modes."""
+        raise NotImplementedError
+
+    def freedoms(self, system: ComposedMethod1) -> System:
+        """A system with the effect's freedoms besides."""
+        raise NotImplementedError
+
+    def base_motion(self, motion: BaseMotion, span: tuple[float, float], g: float) -> BaseMotion:
+        """What the base really does, over the span [s]."""
+        return motion
+
+    def reading(self, theta: Any) -> Any:
+        """What the rotation sensor says [rad] when the rotation is theta."""
+        return theta

@@ -1,0 +1,177 @@
+"""Effects: what a real block on a real base has and the ideal one lacks, one to a file, each switched on by itself.
+
+    >>> from rocking import Block, Method1, solve
+    >>> from rocking.effects import load
+    >>> damped = load("viscous_damping")(coefficient=0.5)
+    >>> system = Method1(Block(b=0.2, h=0.8))
+    >>> run = solve(system, theta=0.12, t_end=3.0, effects=[damped])
+    >>> run.peak_rotation == 0.12
+    True
+
+The modules of this folder are the effects; another package adds its own by an entry point of the group
+`rocking.effects` that names the class.  What an effect is: `rocking.effect`.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from collections.abc import Iterable, Sequence
+from functools import cache
+from importlib.metadata import entry_points
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rocking.effect import Effect
+
+if TYPE_CHECKING:
+    from rocking.hybrid import System
+    from rocking.motion import BaseMotion
+
+GROUP = "rocking.effects"
+
+SLOTS = 4
+"""Hooks are filled up to a multiple of this with ones that add nothing, so that few kinds of loop are compiled."""
+
+
+def _nothing_added(xp: Any, theta: Any, omega: Any, s: Any, base: Any, values: Any) -> Any:
+    return 0.0 * theta
+
+
+def _unchanged(xp: Any, e: Any, omega: Any, s: Any, values: Any) -> Any:
+    return e
+
+
+@cache
+def _own() -> tuple[str, ...]:
+    return tuple(sorted(info.name for info in pkgutil.iter_modules(__path__) if not info.name.startswith("_")))
+
+
+def available() -> tuple[str, ...]:
+    """Names of the effects that are installed, in alphabetical order."""
+    return tuple(sorted({*_own(), *(point.name for point in entry_points(group=GROUP))}))
+
+
+@cache
+def load(name: str) -> type[Effect]:
+    """The effect of that name.
+
+    Raises:
+        ValueError: no effect of that name is installed.
+        ImportError: the plugin is there and does not load; it says which.
+    """
+    if name in _own():
+        found = vars(importlib.import_module(f"{__name__}.{name}")).values()
+        return next(c for c in found if isinstance(c, type) and issubclass(c, Effect) and c.name == name)
+    points = {point.name: point for point in entry_points(group=GROUP)}
+    if name not in points:
+        raise ValueError(f"effect={name!r}: want one of {', '.join(available())}")
+    try:
+        effect: Any = points[name].load()
+    except Exception as error:
+        raise ImportError(f"effect {name!r} ({points[name].value}) does not load: {error}") from error
+    return effect
+
+
+def parse(texts: Iterable[str]) -> tuple[Effect, ...]:
+    """Effects from texts such as "rounded_edges.radius=0.003"; parameters of one effect may come in several.
+
+    Raises:
+        ValueError: a text is not of that shape, or the effect or the parameter is unknown or out of its range.
+    """
+    given: dict[str, dict[str, float]] = {}
+    for text in texts:
+        left, sign, right = text.partition("=")
+        name, dot, parameter = left.strip().rpartition(".")
+        if not (sign and dot):
+            raise ValueError(f"effect {text!r}: want NAME.PARAMETER=NUMBER")
+        known = load(name).parameter_names()
+        if parameter not in known:
+            raise ValueError(f"effect {text!r}: {name} has no {parameter!r}, want one of {', '.join(known)}")
+        try:
+            given.setdefault(name, {})[parameter] = float(right)
+        except ValueError:
+            raise ValueError(f"effect {text!r}: {right.strip()!r} is not a number") from None
+    return tuple(load(name)(**parameters) for name, parameters in given.items())
+
+
+def _check(effects: Sequence[Effect]) -> None:
+    names = [effect.name for effect in effects]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise ValueError(f"effects: {twice[0]!r} is given twice, want it once")
+
+
+def compose(system: System, effects: Sequence[Effect]) -> System:
+    """The system with the effects that act on the block; those on the base and the sensors leave it as it is.
+
+    Args:
+        system: the ideal block: a nonlinear `Method1` for effects on form, flow and impact.
+        effects: at most one of each name.
+
+    Raises:
+        ValueError: an effect is given twice, or the system cannot carry it; it says which and why.
+    """
+    from rocking.method1 import Method1
+
+    _check(effects)
+    acting = [e for e in effects if e.ways() - {"base_motion", "reading"}]
+    if not acting:
+        return system
+    if not isinstance(system, Method1):
+        raise ValueError(f"{acting[0].name}: {system.name} does not carry it, want a Method1")
+    leading = [e for e in acting if e.ways() & {"modes"}]
+    if leading:
+        if len(acting) > 1:
+            other = next(e for e in acting if e is not leading[0])
+            raise ValueError(f"{other.name}: Method 2, which {leading[0].name} asks for, does not carry it")
+        return leading[0].modes(system)
+    return _composed(system, acting)
+
+
+def _composed(method: Any, effects: Sequence[Effect]) -> System:
+    from rocking.composed import ComposedMethod1
+    from rocking.form import Form
+
+    if method.form != "nonlinear":
+        raise ValueError(f"{effects[0].name}: the linear Method 1 does not carry it, want form='nonlinear'")
+    form = Form.of(method.block)
+    for effect in effects:
+        form = effect.form(form, method.block)
+    system: Any = ComposedMethod1(method, form, _hooks(effects, form), tuple(effects))
+    further = [e for e in effects if "freedoms" in e.ways()]
+    if len(further) > 1:
+        raise ValueError(f"{further[1].name}: it does not go together with {further[0].name}")
+    return further[0].freedoms(system) if further else system
+
+
+def _hooks(effects: Sequence[Effect], form: Any) -> Any:
+    """The hooks of the effects and the numbers they take, one row each."""
+    from rocking.hybrid import Hooks
+
+    pushing = [e for e in effects if "acceleration" in e.ways()]
+    striking = [e for e in effects if "restitution" in e.ways()]
+    slots = SLOTS * max(1, -(-max(len(pushing), len(striking)) // SLOTS))
+    accelerations = [type(e).acceleration for e in pushing] + [_nothing_added] * (slots - len(pushing))
+    restitutions = [type(e).restitution for e in striking] + [_unchanged] * (slots - len(striking))
+    rows = {i: e.values(form) for i, e in enumerate(pushing)}
+    rows |= {slots + i: e.values(form) for i, e in enumerate(striking)}
+    values = np.zeros((2 * slots, max([1, *map(len, rows.values())])))
+    for i, row in rows.items():
+        values[i, : len(row)] = row
+    return Hooks(tuple(accelerations), tuple(restitutions), values)
+
+
+def base_with(motion: BaseMotion, effects: Sequence[Effect], span: tuple[float, float], g: float) -> BaseMotion:
+    """What the base really does over the span [s] when `motion` is what is said of it."""
+    for effect in sorted(effects, key=lambda e: e.rank):
+        motion = effect.base_motion(motion, span, g)
+    return motion
+
+
+def rotation_reading(theta: Any, effects: Sequence[Effect]) -> Any:
+    """What the rotation sensor says [rad] when the rotation is theta."""
+    for effect in sorted(effects, key=lambda e: e.rank):
+        theta = effect.reading(theta)
+    return theta

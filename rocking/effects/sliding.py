@@ -1,0 +1,37 @@
+"""Sliding: friction gives way.
+
+Changes     the modes: Method 2 (Ishiyama's six) in place of Method 1
+Parameters  friction mu [1], static and kinetic; no slip at any load (infinite) where it is absent
+Use when    the base acceleration comes near mu g, or the block is stocky
+Limits      those of Method 2; a given restitution is carried by its two-corner law, which cannot have one below
+            Housner's
+Source      Ishiyama (1982); `rocking.method2`
+Status      tests of Method 2
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rocking.effect import Effect
+from rocking.hybrid import System
+from rocking.method1 import Method1
+from rocking.method2 import Method2
+
+
+@dataclass(frozen=True)
+class Sliding(Effect):
+    """Friction coefficient [1]; infinite if not given."""
+
+    friction: float = math.inf
+
+    name: ClassVar[str] = "sliding"
+    units: ClassVar[dict[str, str]] = {"friction": "1"}
+    ranges: ClassVar[dict[str, tuple[float, float]]] = {"friction": (0.0, math.inf)}
+
+    def modes(self, method: Method1) -> System:
+        """The block under Method 2 with this friction."""
+        law = {} if method.restitution is None else {"impact_law": "two_corner", "restitution": method.restitution}
+        return Method2(method.block, friction=self.friction, g=method.g, rest_speed=method.rest_speed, **law)  # type: ignore[arg-type]

@@ -1,0 +1,80 @@
+"""Table pitch: the table rotates a little as it shakes.
+
+Adds        pitch = per_acceleration a_x + per_displacement d_x, with its acceleration, about the middle of where the
+            block stands; positive as the block's rotation
+Parameters  per_acceleration [rad/(m/s^2)], per_displacement [rad/m]; 0 where they are absent
+Use when    a table has a compliant guide, an overturning moment of its own, or a guide that is not straight
+Limits      quasi-static: in phase at all frequencies.  The acceleration behind per_acceleration is low-passed at 25 Hz,
+            as its second derivative would be noise; displacement is the record integrated twice above 0.1 Hz
+Source      own derivation of what a pitch does to a block: `rocking.composed`
+Status      pitch of a sinusoid and its acceleration against their formulas (tests)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocking.altered import AlteredMotion, samples_of, table, table_value
+from rocking.effect import Effect
+from rocking.motion import BaseMotion
+
+LOW_PASS = 25.0
+"""Frequency [Hz] at which the acceleration behind the pitch is passed by half; fourth order."""
+
+HIGH_PASS = 0.1
+"""Frequency [Hz] at which the displacement is passed by half; fourth order."""
+
+PADDING = 4.0
+"""Seconds on either side over which the record is led to zero."""
+
+_inner_pitch: Any = None
+_split: Any = None
+
+
+def _with_table(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
+    angle, acceleration = _inner_pitch(xp, t, par[:_split])
+    numbers = par[_split:]
+    return angle + table_value(xp, t, numbers, 0.0), acceleration + table_value(xp, t, numbers, 1.0)
+
+
+def filtered(a: NDArray[np.float64], step: float) -> tuple[NDArray[np.float64], ...]:
+    """(low-passed acceleration, its second derivative, displacement) of the samples, shape (time,) each.
+
+    Acausal, by Fourier transform of the record, which is led to zero on either side.
+    """
+    n = max(2, round(PADDING / step))
+    ramp = 0.5 - 0.5 * np.cos(np.pi * np.arange(n) / n)
+    padded = np.concatenate([a[0] * ramp, a, a[-1] * ramp[::-1]])
+    spectrum, f = np.fft.rfft(padded), np.fft.rfftfreq(padded.size, step)
+    omega2 = (2.0 * np.pi * f) ** 2
+    low = spectrum / (1.0 + (f / LOW_PASS) ** 4)
+    high = 1.0 / (1.0 + (HIGH_PASS / np.maximum(f, 1e-30)) ** 4)
+    displacement = np.where(f > 0.0, -spectrum * high / np.maximum(omega2, 1e-30), 0.0)
+    parts = (low, -omega2 * low, displacement)
+    return tuple(np.fft.irfft(part, padded.size)[n : n + a.size] for part in parts)
+
+
+@dataclass(frozen=True)
+class TablePitch(Effect):
+    """Pitch of the table with its acceleration [rad/(m/s^2)] and with its displacement [rad/m]."""
+
+    per_acceleration: float = 0.0
+    per_displacement: float = 0.0
+
+    name: ClassVar[str] = "table_pitch"
+    units: ClassVar[dict[str, str]] = {"per_acceleration": "rad/(m/s^2)", "per_displacement": "rad/m"}
+    rank: ClassVar[int] = 2
+
+    def base_motion(self, motion: BaseMotion, span: tuple[float, float], g: float) -> BaseMotion:
+        """The motion with the pitch added."""
+        step, a_x = samples_of(motion, span)
+        smooth, curvature, displacement = filtered(a_x, step)
+        angle = self.per_acceleration * smooth + self.per_displacement * displacement
+        acceleration = self.per_acceleration * curvature + self.per_displacement * a_x
+        numbers = table(span[0], step, angle, acceleration)
+        label = f"pitch {self.per_acceleration:g} rad/(m/s^2), {self.per_displacement:g} rad/m"
+        return AlteredMotion(motion, numbers, pitch=_with_table, max_step=step, label=label)
