@@ -15,6 +15,8 @@ from excitation.formats import formats, read, write
 from excitation.intensities import Intensity, intensity
 from excitation.kanai_tajimi import KanaiTajimi
 from excitation.motion import Motion
+from excitation.pitch_proportional import ProportionalPitch
+from excitation.pitch_sinusoid import SinusoidalPitch
 from excitation.point_source import PointSource
 from excitation.pulse import CentredPulse, FinitePulse
 from excitation.pulse_antisymmetric_ricker import AntisymmetricRickerPulse
@@ -53,12 +55,14 @@ __all__ = [
     "OneSinePulse",
     "PiecewiseLinear",
     "PointSource",
+    "ProportionalPitch",
     "RampedSinusoid",
     "Record",
     "RecordFileError",
     "RectangularPulse",
     "ResponseSpectrum",
     "SampledMotion",
+    "SinusoidalPitch",
     "SteadySinusoid",
     "SymmetricRickerPulse",
     "Table",
@@ -88,7 +92,8 @@ __all__ = [
 def formulas() -> dict[str, type[Motion]]:
     """The motions that are closed formulas, by name: what a dataset can be traced back to."""
     found = (
-        AntisymmetricRickerPulse, Chirp, GaborPulse, HalfSinePulse, MavroeidisPapageorgiouPulse, OneCosinePulse,
-        OneSinePulse, RampedSinusoid, RectangularPulse, SteadySinusoid, SymmetricRickerPulse,
+        AntisymmetricRickerPulse, Chirp, Combined, GaborPulse, HalfSinePulse, MavroeidisPapageorgiouPulse,
+        OneCosinePulse, OneSinePulse, ProportionalPitch, RampedSinusoid, RectangularPulse, SinusoidalPitch,
+        SteadySinusoid, SymmetricRickerPulse,
     )  # fmt: skip
     return {kind.__name__: kind for kind in found}

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from excitation.checks import finite, not_zero, positive
-from excitation.envelopes import window
+from excitation.envelopes import modulated, window, window_rates
 from excitation.motion import Motion
 from excitation.steady_sinusoid import check_tapers, taper_breakpoints
 
@@ -31,13 +31,27 @@ def _acceleration(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
 
     slope [Hz/s] is zero for a logarithmic sweep, log rate [1/s] is zero for a linear one.
     """
+    a_x = par[4] * window(xp, t, par[5], par[6], par[7]) * xp.sin(_angle(xp, t, par))
+    return a_x, 0.0 * t
+
+
+def _angle(xp: Any, t: Any, par: Any) -> Any:
+    """Argument of the sine [rad]."""
     within = xp.minimum(xp.maximum(t, 0.0), par[5])
     rate = xp.where(par[2] == 0.0, 1.0, par[2])
     logarithmic = par[0] / rate * (xp.exp(par[2] * within) - 1.0)
     linear = (par[0] + 0.5 * par[1] * within) * within
-    cycles = xp.where(par[2] == 0.0, linear, logarithmic)
-    a_x = par[4] * window(xp, t, par[5], par[6], par[7]) * xp.sin(2.0 * math.pi * cycles + par[3])
-    return a_x, 0.0 * t
+    return 2.0 * math.pi * xp.where(par[2] == 0.0, linear, logarithmic) + par[3]
+
+
+def _snap(xp: Any, t: Any, par: Any) -> Any:
+    """Second derivative of a_x [m/s^4] at t, where both tapers are there."""
+    within = xp.minimum(xp.maximum(t, 0.0), par[5])
+    w, w1, w2 = window_rates(xp, t, par[5], par[6], par[7])
+    # One of slope and log rate is zero: the frequency is f_0 exp(log rate t) + slope t.
+    grown = par[0] * xp.exp(par[2] * within)
+    rates = (2.0 * math.pi * (grown + par[1] * within), 2.0 * math.pi * (par[2] * grown + par[1]))
+    return modulated(xp, (par[4] * w, par[4] * w1, par[4] * w2), (_angle(xp, t, par), *rates))[1]
 
 
 @dataclass(frozen=True)
@@ -78,6 +92,11 @@ class Chirp(Motion):
             raise ValueError(f"sweep={self.sweep!r}: want one of {', '.join(SWEEPS)}")
         if self.sweep == "logarithmic" and self.start_frequency == self.end_frequency:
             raise ValueError(f"end_frequency={self.end_frequency!r} Hz: want another one than start_frequency")
+
+    @property
+    def snap_kernel(self) -> Any:
+        """Second derivative of a_x as a formula; None if a taper is missing and the sine begins or ends suddenly."""
+        return _snap if self.taper_in > 0.0 and self.taper_out > 0.0 else None
 
     @cached_property
     def parameters(self) -> NDArray[np.float64]:

@@ -1,7 +1,8 @@
 """Motions from datasets: the way back from `Motion.to_xarray`.
 
 A dataset with `time` and `a_x`, and `a_z` and `pitch` where there are any, each with its `units`, is a motion by
-itself.  One that was written from a formula also says which, and then the same formula comes back.
+itself: a cubic spline, or straight lines if its attribute `interpolation` says `linear`.  One that was written from a
+formula, or from formulas combined, also says which, and then the same formula comes back.
 """
 
 from __future__ import annotations
@@ -13,11 +14,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from excitation.motion import Motion
-from excitation.sampled import SampledMotion
+from excitation.sampled import PiecewiseLinear, SampledMotion
 from excitation.units import factor
 
 if TYPE_CHECKING:
     import xarray as xr
+
+QUANTITIES = {
+    "a_x": "acceleration",
+    "a_z": "acceleration",
+    "pitch": "angle",
+    "pitch_acceleration": "angular acceleration",
+}
+"""What a dataset may hold of a motion besides `time`, in the order in which a motion gives it."""
 
 UNIFORM = 1e-6
 """Largest departure of a time from the equal spacing, in steps."""
@@ -37,6 +46,15 @@ def step_of(times: NDArray[np.float64], tolerance: float = UNIFORM) -> float:
     return float(step)
 
 
+def stated_step(ds: xr.Dataset, times: NDArray[np.float64]) -> float:
+    """The spacing [s] of the times, to the last bit if the attribute `time_step` [s] has it; ValueError if not even."""
+    step = step_of(times)
+    stated = float(ds.attrs.get("time_step", step))
+    if not abs(stated - step) <= UNIFORM * step:
+        raise ValueError(f"time_step={stated!r} s: the times are {step:.9g} s apart, want the same")
+    return stated
+
+
 def values_in(ds: xr.Dataset, name: str, quantity: str) -> NDArray[np.float64]:
     """A variable in SI; ValueError if its unit is missing or unknown."""
     unit = ds[name].attrs.get("units")
@@ -45,20 +63,32 @@ def values_in(ds: xr.Dataset, name: str, quantity: str) -> NDArray[np.float64]:
     return factor(unit, quantity) * np.asarray(ds[name].values, dtype=np.float64)
 
 
+def _made(name: Any, arguments: Any, classes: dict[str, Any]) -> Motion:
+    """The motion that a class's name and its arguments describe, and those inside it."""
+    given = {
+        key: _made(value["motion_class"], value["motion_arguments"], classes) if isinstance(value, dict) else value
+        for key, value in arguments.items()
+    }
+    motion: Motion = classes[name](**given)
+    return motion
+
+
 def _from_recipe(ds: xr.Dataset, classes: dict[str, Any]) -> Motion:
     name = ds.attrs["motion_class"]
     if name not in classes:
         raise ValueError(f"motion_class={name!r}: want one of {', '.join(sorted(classes))}")
     try:
-        arguments = json.loads(ds.attrs["motion_arguments"])
-        motion = classes[name](**arguments)
-    except (KeyError, TypeError, json.JSONDecodeError):
+        motion = _made(name, json.loads(ds.attrs["motion_arguments"]), classes)
+    except (KeyError, TypeError, AttributeError, json.JSONDecodeError):
         found = ds.attrs.get("motion_arguments")
         raise ValueError(f"motion_arguments={found!r}: want the arguments of {name} as JSON") from None
-    a_x = values_in(ds, "a_x", "acceleration")
-    again = motion(values_in(ds, "time", "time"))[0]
-    if not np.allclose(again, a_x, rtol=1e-9, atol=1e-9 * float(np.max(np.abs(a_x), initial=0.0))):
-        raise ValueError(f"a_x: is not that of {ds.attrs.get('motion')}, which the attributes name")
+    times = values_in(ds, "time", "time")
+    again = dict(zip(QUANTITIES, (*motion(times), *motion.pitch(times)), strict=True))
+    for part, quantity in QUANTITIES.items():
+        if part in ds:
+            stated = values_in(ds, part, quantity)
+            if not np.allclose(again[part], stated, rtol=1e-9, atol=1e-9 * float(np.max(np.abs(stated), initial=0.0))):
+                raise ValueError(f"{part}: is not that of {ds.attrs.get('motion')}, which the attributes name")
     return motion
 
 
@@ -80,10 +110,12 @@ def from_xarray(ds: xr.Dataset) -> Motion:
 
         return _from_recipe(ds, formulas())
     times = values_in(ds, "time", "time")
-    optional = {"a_z": "acceleration", "pitch": "angle"}
-    parts: dict[str, NDArray[np.float64] | None] = {n: values_in(ds, n, q) for n, q in optional.items() if n in ds}
-    parts = {name: values if values is not None and np.any(values) else None for name, values in parts.items()}
-    name = str(ds.attrs.get("name", ""))
-    return SampledMotion(
-        step_of(times), values_in(ds, "a_x", "acceleration"), **parts, start=float(times[0]), name=name
-    )
+    parts = {name: values_in(ds, name, QUANTITIES[name]) for name in ("a_z", "pitch") if name in ds}
+    parts = {name: values for name, values in parts.items() if np.any(values)}
+    shared: dict[str, Any] = {"start": float(times[0]), "name": str(ds.attrs.get("name", ""))}
+    samples = (stated_step(ds, times), values_in(ds, "a_x", "acceleration"))
+    if ds.attrs.get("interpolation", "cubic") == "cubic":
+        return SampledMotion(*samples, parts.get("a_z"), parts.get("pitch"), **shared)
+    if ds.attrs["interpolation"] != "linear" or "pitch" in parts:
+        raise ValueError(f"interpolation={ds.attrs['interpolation']!r}: want cubic, or linear for a base without pitch")
+    return PiecewiseLinear(*samples, parts.get("a_z"), **shared)

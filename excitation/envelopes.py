@@ -53,6 +53,28 @@ def falling(xp: Any, t: Any, start: Any, length: Any) -> Any:
     return xp.where(length > 0.0, smooth, xp.where(t <= start, 1.0, 0.0))
 
 
+def window_rates(xp: Any, t: Any, duration: Any, rise: Any, fall: Any) -> tuple[Any, Any, Any]:
+    """`window` with its first [1/s] and second [1/s^2] derivatives; `rise` and `fall` positive.
+
+    The first is continuous; the second jumps where the tapers begin and end.
+    """
+    a, b = math.pi / rise, math.pi / fall
+    up = a * xp.minimum(xp.maximum(t, 0.0), rise)
+    down = b * xp.minimum(xp.maximum(t - duration + fall, 0.0), fall)
+    r, f = 0.5 * (1.0 - xp.cos(up)), 0.5 * (1.0 + xp.cos(down))
+    rises, falls = (t >= 0.0) & (t <= rise), (t >= duration - fall) & (t <= duration)
+    r1, f1 = xp.where(rises, 0.5 * a * xp.sin(up), 0.0), xp.where(falls, -0.5 * b * xp.sin(down), 0.0)
+    r2, f2 = xp.where(rises, 0.5 * a * a * xp.cos(up), 0.0), xp.where(falls, -0.5 * b * b * xp.cos(down), 0.0)
+    return r * f, r1 * f + r * f1, r2 * f + 2.0 * r1 * f1 + r * f2
+
+
+def modulated(xp: Any, envelope: tuple[Any, Any, Any], phase: tuple[Any, Any, Any]) -> tuple[Any, Any]:
+    """(E sin phi, its second derivative) from E and phi with their first two derivatives."""
+    sine, cosine = xp.sin(phase[0]), xp.cos(phase[0])
+    second = envelope[1] * phase[1] * 2.0 + envelope[0] * phase[2]
+    return envelope[0] * sine, (envelope[2] - envelope[0] * phase[1] * phase[1]) * sine + second * cosine
+
+
 def window(xp: Any, t: Any, duration: Any, rise: Any, fall: Any) -> Any:
     """0 before 0 and after `duration`, rising in the first `rise` and falling in the last `fall` of it."""
     return rising(xp, t, 0.0, rise) * falling(xp, t, duration - fall, fall)

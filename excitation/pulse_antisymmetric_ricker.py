@@ -27,7 +27,23 @@ def _acceleration(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
     return par[0] / BETA * (x * x - 3.0) * x * xp.exp(-0.5 * x * x), 0.0 * t
 
 
+def _displacement(xp: Any, t: Any, par: Any) -> Any:
+    """x [m] at t from rest: (a_p/beta) x exp(-x^2/2)/x'^2."""
+    rate = par[1] / math.sqrt(3.0)
+    x = rate * (t - par[2])
+    return par[0] / (BETA * rate * rate) * x * xp.exp(-0.5 * x * x)
+
+
+def _snap(xp: Any, t: Any, par: Any) -> Any:
+    """Second derivative of a_x [m/s^4] at t: (a_p/beta) x'^2 He_5(x) exp(-x^2/2), He_5 = x^5 - 10 x^3 + 15 x."""
+    rate = par[1] / math.sqrt(3.0)
+    x = rate * (t - par[2])
+    return par[0] / BETA * rate * rate * ((x * x - 10.0) * x * x + 15.0) * x * xp.exp(-0.5 * x * x)
+
+
 class AntisymmetricRickerPulse(CentredPulse):
     """The antisymmetric Ricker pulse.  Arguments and errors as `CentredPulse`."""
 
     kernel = staticmethod(_acceleration)
+    displacement_kernel = staticmethod(_displacement)
+    snap_kernel = staticmethod(_snap)

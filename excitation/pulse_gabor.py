@@ -33,6 +33,17 @@ def _acceleration(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
     return a_x, 0.0 * t
 
 
+def _snap(xp: Any, t: Any, par: Any) -> Any:
+    """Second derivative of a_x [m/s^4] at t: that of v' = Re(q g), g = A exp(-(alpha tau)^2 + i angle), g' = q g."""
+    tau, alpha = t - par[4], par[2]
+    p = -2.0 * alpha * alpha * tau
+    # q = p + i omega; v''' = Re((q^3 + 3 q q') g) with q' = -2 alpha^2.
+    real = p * (p * p - 3.0 * par[1] * par[1] - 6.0 * alpha * alpha)
+    imaginary = par[1] * (3.0 * p * p - par[1] * par[1] - 6.0 * alpha * alpha)
+    angle = par[1] * tau + par[3]
+    return par[0] * xp.exp(-alpha * alpha * tau * tau) * (real * xp.cos(angle) - imaginary * xp.sin(angle))
+
+
 @dataclass(frozen=True)
 class GaborPulse(Motion):
     """A velocity pulse under a Gaussian.
@@ -55,6 +66,7 @@ class GaborPulse(Motion):
     centre: float | None = None
 
     kernel = staticmethod(_acceleration)
+    snap_kernel = staticmethod(_snap)
 
     def __post_init__(self) -> None:
         not_zero("velocity", self.velocity, "m/s")

@@ -33,6 +33,19 @@ def _acceleration(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
     return xp.where((tau >= -par[5]) & (tau <= par[5]), a_x, 0.0), 0.0 * t
 
 
+def _travel(xp: Any, tau: Any, par: Any) -> Any:
+    """Integral of v [m] up to a constant: the product of cosines is a sum of three."""
+    slow, fast = par[1] - par[2], par[1] + par[2]
+    sides = xp.sin(fast * tau + par[3]) / fast + xp.sin(slow * tau + par[3]) / slow
+    return 0.5 * par[0] * (xp.sin(par[1] * tau + par[3]) / par[1] + 0.5 * sides)
+
+
+def _displacement(xp: Any, t: Any, par: Any) -> Any:
+    """x [m] at t from rest, held after the end."""
+    tau = xp.minimum(xp.maximum(t - par[4], -par[5]), par[5])
+    return _travel(xp, tau, par) - _travel(xp, -par[5], par)
+
+
 @dataclass(frozen=True)
 class MavroeidisPapageorgiouPulse(Motion):
     """The near-fault velocity pulse of Mavroeidis & Papageorgiou (2003).
@@ -55,6 +68,7 @@ class MavroeidisPapageorgiouPulse(Motion):
     centre: float | None = None
 
     kernel = staticmethod(_acceleration)
+    displacement_kernel = staticmethod(_displacement)
 
     def __post_init__(self) -> None:
         not_zero("velocity", self.velocity, "m/s")

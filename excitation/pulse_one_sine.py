@@ -18,7 +18,14 @@ def _acceleration(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
     return xp.where(inside(t, par), par[0] * xp.sin(par[1] * (t - par[2])), 0.0), 0.0 * t
 
 
+def _displacement(xp: Any, t: Any, par: Any) -> Any:
+    """x [m] at t from rest: a_p (tau/omega - sin(omega tau)/omega^2), held after the end."""
+    tau = xp.minimum(xp.maximum(t - par[2], 0.0), par[3])
+    return par[0] / par[1] * (tau - xp.sin(par[1] * tau) / par[1])
+
+
 class OneSinePulse(FinitePulse):
     """One full sine.  Arguments and errors as `FinitePulse`."""
 
     kernel = staticmethod(_acceleration)
+    displacement_kernel = staticmethod(_displacement)

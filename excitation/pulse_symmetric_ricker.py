@@ -22,7 +22,23 @@ def _acceleration(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
     return par[0] * (1.0 - x * x) * xp.exp(-0.5 * x * x), 0.0 * t
 
 
+def _displacement(xp: Any, t: Any, par: Any) -> Any:
+    """x [m] at t from rest: -a_p exp(-x^2/2)/x'^2."""
+    rate = par[1] / math.sqrt(2.0)
+    x = rate * (t - par[2])
+    return -par[0] / (rate * rate) * xp.exp(-0.5 * x * x)
+
+
+def _snap(xp: Any, t: Any, par: Any) -> Any:
+    """Second derivative of a_x [m/s^4] at t: -a_p x'^2 He_4(x) exp(-x^2/2), He_4 = x^4 - 6 x^2 + 3."""
+    rate = par[1] / math.sqrt(2.0)
+    x = rate * (t - par[2])
+    return -par[0] * rate * rate * ((x * x - 6.0) * x * x + 3.0) * xp.exp(-0.5 * x * x)
+
+
 class SymmetricRickerPulse(CentredPulse):
     """The symmetric Ricker pulse.  Arguments and errors as `CentredPulse`."""
 
     kernel = staticmethod(_acceleration)
+    displacement_kernel = staticmethod(_displacement)
+    snap_kernel = staticmethod(_snap)

@@ -140,7 +140,8 @@ class Record:
             "velocity": (self.velocity, "m s-1"),
             "displacement": (self.displacement, "m"),
         }
-        attributes = {name: getattr(self, name) for name in _TEXTS} | {"vertical": int(self.vertical)}
+        attributes: dict[str, Any] = {name: getattr(self, name) for name in _TEXTS}
+        attributes |= {"vertical": int(self.vertical), "time_step": self.time_step}
         if self.azimuth_deg is not None:
             attributes["azimuth_deg"] = self.azimuth_deg
         return xr.Dataset(
@@ -155,7 +156,7 @@ class Record:
 
         Raises ValueError if one is missing, its unit is unknown or the times are not equally spaced.
         """
-        from excitation.datasets import step_of, values_in
+        from excitation.datasets import stated_step, values_in
 
         for name in ("time", "acceleration"):
             if name not in ds:
@@ -163,7 +164,7 @@ class Record:
         header = {str(k)[7:]: str(v) for k, v in ds.attrs.items() if str(k).startswith("header ")}
         azimuth = ds.attrs.get("azimuth_deg")
         return cls(
-            step_of(values_in(ds, "time", "time")),
+            stated_step(ds, values_in(ds, "time", "time")),
             values_in(ds, "acceleration", "acceleration"),
             azimuth_deg=None if azimuth is None else float(azimuth),
             vertical=bool(ds.attrs.get("vertical", 0)),

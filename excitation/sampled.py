@@ -105,7 +105,19 @@ class _Sampled(Motion):
 
     def to_xarray(self, t: ArrayLike | None = None) -> xr.Dataset:
         """Values at `t` [s], or the samples themselves if `t` is not given, as a dataset with units."""
-        return super().to_xarray(self.times if t is None else t)
+        ds = super().to_xarray(self.times if t is None else t)
+        if t is not None and not np.array_equal(t, self.times):
+            return ds
+        # Step and samples to the last bit, which differences of times and a spline's evaluation do not give.
+        for name, values in self._samples.items():
+            ds[name].values = np.array(values)
+        return ds.assign_attrs(time_step=self.time_step)
+
+    @property
+    def _samples(self) -> dict[str, NDArray[np.float64]]:
+        """The samples that were given, by name."""
+        given = {"a_x": self.a_x, "a_z": self.a_z, "pitch": getattr(self, "pitch_angle", None)}
+        return {name: values for name, values in given.items() if values is not None}
 
     def _recipe(self) -> dict[str, str]:
         """What the samples do not say: how they are joined, and the name."""

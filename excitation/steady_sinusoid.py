@@ -17,13 +17,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from excitation.checks import finite, not_negative, not_zero, positive
-from excitation.envelopes import window
+from excitation.envelopes import modulated, window, window_rates
 from excitation.motion import Motion
 
 
 def _acceleration(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
     """(a_x, a_z) [m/s^2] at t; par = [omega, phase, amplitude, duration, rise, fall]."""
     return par[2] * window(xp, t, par[3], par[4], par[5]) * xp.sin(par[0] * t + par[1]), 0.0 * t
+
+
+def _snap(xp: Any, t: Any, par: Any) -> Any:
+    """Second derivative of a_x [m/s^4] at t, where both tapers are there."""
+    w, w1, w2 = window_rates(xp, t, par[3], par[4], par[5])
+    return modulated(xp, (par[2] * w, par[2] * w1, par[2] * w2), (par[0] * t + par[1], par[0], 0.0))[1]
 
 
 @dataclass(frozen=True)
@@ -56,6 +62,11 @@ class SteadySinusoid(Motion):
         positive("duration", self.duration, "s")
         finite("phase", self.phase, "rad")
         check_tapers(self.taper_in, self.taper_out, self.duration)
+
+    @property
+    def snap_kernel(self) -> Any:
+        """Second derivative of a_x as a formula; None if a taper is missing and the sine begins or ends suddenly."""
+        return _snap if self.taper_in > 0.0 and self.taper_out > 0.0 else None
 
     @cached_property
     def parameters(self) -> NDArray[np.float64]:

@@ -29,6 +29,7 @@ FACTORS: dict[str, dict[str, float]] = {
     "displacement": {"m": 1.0, "cm": _CM, "mm": 0.001, "in": _IN},
     "time": {"s": 1.0, "ms": 1e-3},
     "angle": {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0},
+    "angular acceleration": {"rad/s2": 1.0, "deg/s2": math.pi / 180.0},
 }
 
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from excitation.formats import columns, cosmos, csmip, dyna, knet, nsmn, peer, seismology, smc
 from excitation.formats.text import is_text, read_bytes, text_file
 from excitation.record import Record, RecordFileError
@@ -16,6 +18,11 @@ READERS: dict[str, Any] = {module.NAME: module for module in (peer, knet, dyna, 
 """Formats whose header states everything, in the order in which they are tried."""
 
 WRITERS: dict[str, Any] = {module.NAME: module for module in (peer, dyna, smc, columns)}
+
+LARGEST_ACCELERATION = 1e8
+"""[m/s^2]: ten million g, above all that a sensor on a structure measures."""
+SHORTEST_STEP, LONGEST_STEP = 1e-7, 1e4
+"""[s], of a record."""
 
 
 def read(
@@ -35,9 +42,27 @@ def read(
         ValueError: an argument is unknown, or states a unit that the file states itself.
         OSError: the file cannot be opened.
     """
-    known = formats()
-    if format is not None and format not in known:
-        raise ValueError(f"format={format!r}: want one of {', '.join(known)}")
+    if format is not None and format not in formats():
+        raise ValueError(f"format={format!r}: want one of {', '.join(formats())}")
+    return [_plausible(record) for record in _parsed(path, format, units, time_units)]
+
+
+def _plausible(record: Record) -> Record:
+    """The record, or the error that its numbers cannot be a motion: a digit or the unit is damaged."""
+    largest = float(np.max(np.abs(record.acceleration)))
+    if largest > LARGEST_ACCELERATION:
+        raise RecordFileError(
+            f"{record.source}: reaches {largest:.4g} m/s^2, want at most {LARGEST_ACCELERATION:g} m/s^2"
+        )
+    if not SHORTEST_STEP <= record.time_step <= LONGEST_STEP:
+        raise RecordFileError(
+            f"{record.source}: has a time step of {record.time_step:g} s, want {SHORTEST_STEP:g} to {LONGEST_STEP:g} s"
+        )
+    return record
+
+
+def _parsed(path: str | Path, format: str | None, units: str | None, time_units: str | None) -> list[Record]:
+    """Records by the reader that the arguments or the file name."""
     name, data = Path(path).name, read_bytes(path)
     if format == seismology.NAME or not is_text(data):
         return seismology.parse(name, data, units)

@@ -33,9 +33,10 @@ class TextFile:
         """Raise RecordFileError about one line: what stands there and what was wanted."""
         if index >= len(self.lines):
             raise RecordFileError(f"{self.name}: ends after line {len(self.lines)}, want {wanted}")
-        found = self.lines[index]
-        shown = found if len(found) <= 80 else found[:77] + "..."
-        raise RecordFileError(f"{self.name}, line {index + 1}: found {shown!r}, want {wanted}")
+        shown = repr(self.lines[index][:80])
+        if len(self.lines[index]) > 80 or len(shown) > 82:
+            shown = f"{shown[:78]}...'"
+        raise RecordFileError(f"{self.name}, line {index + 1}: found {shown}, want {wanted}")
 
     def line(self, index: int, wanted: str) -> str:
         """The line at an index, or the error that the file ends before it."""
@@ -181,7 +182,8 @@ def text_file(name: str, data: bytes) -> TextFile:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         text = data.decode("latin-1")
-    lines = re.split(r"\r\n|\n|\r", text.rstrip("\x1a"))
+    # Ends of files from DOS are padded with the character 26, lines of blanks after or before it.
+    lines = re.split(r"\r\n|\n|\r", text.rstrip("\x1a \t\r\n\f"))
     while lines and not lines[-1].strip():
         lines.pop()
     if not lines:

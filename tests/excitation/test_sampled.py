@@ -118,6 +118,14 @@ def test_units_of_a_dataset_are_converted():
         (lambda ds: ds.assign_coords(time=("time", [0.0, 0.01, 0.03], {"units": "s"})), "equal spacing"),
         (lambda ds: ds.assign_coords(time=("time", [0.0, 0.0, 0.0], {"units": "s"})), "want ascending finite times"),
         (lambda ds: ds.assign(a_x=("time", [1.0, 2.0, 3.0])), "a_x: has units None"),
+        (lambda ds: ds.assign_attrs(time_step=0.02), r"time_step=0\.02 s: the times are 0\.01 s apart"),
+        (lambda ds: ds.assign_attrs(interpolation="step"), "interpolation='step': want cubic, or linear"),
+        (
+            lambda ds: ds.assign_attrs(interpolation="linear", time_step=0.01).assign(
+                pitch=("time", [0.0, 1.0, 0.0], {"units": "rad"})
+            ),
+            "interpolation='linear': want cubic, or linear for a base without pitch",
+        ),
         (lambda ds: ds.assign(a_x=("time", [1.0, 2.0, 3.0], {"units": "furlong"})), "units 'furlong'"),
         (lambda ds: ds.assign(a_x=("time", [1.0, np.nan, 3.0], {"units": "g"})), "a_x: sample 1 is nan"),
         (lambda ds: ds.assign_attrs(motion_class="Nothing"), "motion_class='Nothing'"),
