@@ -10,10 +10,10 @@ swings once it rocks, and on its side no gravity any more but the base's horizon
   the change point of a sum of log-likelihood ratios (Hinkley 1970), each bounded so that no shock decides.
 
 Source   Winkler, Meguro & Yamazaki (1995), "Shaking table experiments", Figs 2 and 3: both moments were read off the
-         vertical records, as the pickups turn with the block.  They give no rule; this one is ours.  Page (1954) and
-         Hinkley (1970), Inference about the change-point in a sequence of random variables, Biometrika 57, 1-17.
-Status   a start is found late, never early but for a false alarm: first swings drown in the noise.  On the paper's bases,
-         growing by 12 m/s^2 in 90 s, by 0.01 to 0.2 s with 0.01 m/s^2 of noise, to 0.9 s with 0.05, to 2 s with 0.2.
+         vertical records, as the pickups turn with the block.  They give no rule; these two are stated here.  Hinkley
+         (1970), Inference about the change-point in a sequence of random variables, Biometrika 57, 1-17.
+Status   a start is found late, never early but for a false alarm: first swings drown in the noise.  On bases that grow
+         by 12 m/s^2 in 90 s, by 0.01 to 0.2 s with 0.01 m/s^2 of noise, up to 0.9 s with 0.05, up to 2 s with 0.2.
          A fall is found 0.1/p to 3.3/p after the passage of theta_c (median 1.5/p) and before the block lies: near the
          balance the vertical record shows little.  Simulated pickups, see tests/rocking/test_detection.py.
 """
