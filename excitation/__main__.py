@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from excitation.formats import formats, read
+from excitation.formats.text import one_line
 from excitation.intensities import intensity
 from excitation.record import Record
 from excitation.units import STANDARD_GRAVITY
@@ -43,7 +44,8 @@ def facts(record: Record) -> str:
         f"after an offset of {offset} m/s^2 was taken out" if offset else "",
         place,
     )
-    return "  ".join(part for part in parts if part)
+    # Names are the file's: nothing of them may drive a terminal.
+    return one_line("  ".join(part for part in parts if part))
 
 
 def without_offset(record: Record) -> Record:

@@ -1,8 +1,11 @@
 """What a real shaking table does to a command, and what a sensor on it records.
 
-    command -> wandering envelope -> harmonics -> gain and phase -> a_x;   a_z and pitch from a_x;   record = a + noise
+    command -> wandering envelope -> harmonics -> gain and phase -> a_x;   a_z and pitch from a_x
+    recorded along the table    a_x cos(pitch) - (g + a_z) sin(pitch) + noise
+    recorded normal to it       a_x sin(pitch) + (g + a_z) cos(pitch) - g + noise
 
 Harmonics come from the analytic signal A(t) exp(i phi(t)) of the command: ratio times A cos(2 phi), A cos(3 phi).
+A sensor turns with the table, so it takes a share of gravity for acceleration where the table pitches.
 
 Source   the departures that Winkler, Meguro & Yamazaki (1995) name for their tests (slope of the envelope, base
          conditions, vertical disturbance); Conte & Trombetti (2000), Linear dynamic modeling of a uni-axial servo-
@@ -24,9 +27,19 @@ from excitation.envelopes import MAX_IMPERFECTION, departure
 from excitation.motion import Motion
 from excitation.record import Record
 from excitation.sampled import SampledMotion
+from excitation.units import STANDARD_GRAVITY
 
 
-@dataclass(frozen=True)
+def _sensed(motion: SampledMotion) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    """Accelerations [m/s^2] along and normal to the table; no normal one if the table does nothing but move along x."""
+    if motion.pitch_angle is None:
+        return motion.a_x, motion.a_z
+    sine, cosine = np.sin(motion.pitch_angle), np.cos(motion.pitch_angle)
+    upward = STANDARD_GRAVITY + (0.0 if motion.a_z is None else motion.a_z)
+    return motion.a_x * cosine - upward * sine, motion.a_x * sine + upward * cosine - STANDARD_GRAVITY
+
+
+@dataclass(frozen=True, repr=False)
 class Table:
     """A shaking table with its departures from the ideal.
 
@@ -165,16 +178,29 @@ class Table:
         return high.displacement[pad : pad + a_x.size]
 
     def recorded(self, motion: SampledMotion) -> list[Record]:
-        """What noisy accelerometers on the table record: horizontal, and vertical where there is such motion."""
+        """What noisy accelerometers at the axis of pitch record: along the table, and normal to it where it moves so.
+
+        Both turn with the table: a pitch of 1 mrad shows as 0.01 m/s^2.
+        """
         rng = np.random.default_rng([self.seed, 1])
         records = []
-        for name, values in (("a_x", motion.a_x), ("a_z", motion.a_z)):
+        for name, values in zip(("a_x", "a_z"), _sensed(motion), strict=True):
             if values is not None:
                 noisy = values + self.noise * rng.normal(size=values.size)
                 records.append(
                     Record(motion.time_step, noisy, component=name, vertical=name == "a_z", source=motion.name)
                 )
         return records
+
+    def __repr__(self) -> str:
+        perfect = Table()
+        names = [n for n in self.__dataclass_fields__ if getattr(self, n) != getattr(perfect, n)]
+        values = {name: getattr(self, name) for name in names}
+        shown = {
+            name: f"<{len(value)} values>" if isinstance(value, Sequence) and len(value) > 6 else repr(value)
+            for name, value in values.items()
+        }
+        return f"Table({', '.join(f'{name}={text}' for name, text in shown.items())})"
 
     def without(self, *names: str) -> Table:
         """The same table with the named departures gone (`noise`, `cross_axis`, ...); ValueError for another name."""

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -87,8 +88,8 @@ def formats() -> dict[str, str]:
     return {module.NAME: module.TITLE for module in modules}
 
 
-def write(path: str | Path, record: Record, format: str) -> None:
-    """Write one record.
+def write(path: str | Path, record: Record | Sequence[Record], format: str) -> None:
+    """Write a record, or several of one time step and length as columns.
 
     Args:
         path: the file; written over if it is there.
@@ -96,11 +97,14 @@ def write(path: str | Path, record: Record, format: str) -> None:
         format: `columns` (every bit of the samples), `dyna`, `peer` or `smc` (their digits).
 
     Raises:
-        ValueError: the format is none of these, or cannot hold the record.
+        ValueError: the format is none of these, or cannot hold the record or so many.
     """
     if format not in WRITERS:
         raise ValueError(f"format={format!r}: want one of {', '.join(WRITERS)}")
-    WRITERS[format].write(path, record)
+    records = [record] if isinstance(record, Record) else list(record)
+    if not records or (len(records) > 1 and format != columns.NAME):
+        raise ValueError(f"record: {len(records)} of them, want one, or one or more in the format {columns.NAME}")
+    WRITERS[format].write(path, *records)
 
 
 __all__ = ["READERS", "WRITERS", "Record", "RecordFileError", "formats", "read", "write"]

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from excitation.formats.directions import direction_of, name_of
-from excitation.formats.text import TextFile, decimals, to_float
+from excitation.formats.text import TextFile, decimals, quoted, to_float
 from excitation.record import Record, RecordFileError, same_sampling
 from excitation.units import factor, quantity_of
 
@@ -100,7 +100,7 @@ def _headings(text: TextFile, index: int, separator: str | None, units: str | No
         if not unit:
             text.fail(index, f"the unit of column {k + 1} in brackets, or stated as an argument")
         if quantity_of(unit) != quantity:
-            text.fail(index, f"a unit of {quantity} for column {k + 1}, not {unit!r}")
+            text.fail(index, f"a unit of {quantity} for column {k + 1}, not {quoted(unit, 20)}")
         headings.append((name, unit))
     if len(headings) < 2:
         text.fail(index, "a time column and one or more of acceleration")
@@ -121,6 +121,14 @@ def _step(text: TextFile, first: int, times: NDArray[np.float64], printed: str, 
         text.fail(
             rows[worst], f"{(times[0] + worst * step) / scale:.6g} as the time: equal steps of {step / scale:.6g}"
         )
+    return _exact(step, times)
+
+
+def _exact(step: float, times: NDArray[np.float64]) -> float:
+    """The step to the last bit where a neighbour of it, or fewer digits, give the very times."""
+    for near in (float(f"{step:.12g}"), step, float(np.nextafter(step, np.inf)), float(np.nextafter(step, 0.0))):
+        if np.array_equal(times[0] + near * np.arange(times.size), times):
+            return near
     return step
 
 

@@ -126,6 +126,10 @@ def _start_text(record: Record) -> str:
         raise ValueError(f"start_time={record.start_time!r}: want ISO 8601 such as 2019-07-28T16:09:19.87") from None
 
 
+def _sample(value: float) -> str:
+    return f"{value:.9g}"
+
+
 def write(path: str | Path, record: Record) -> None:
     """Write a record in cm/s^2, nine digits."""
     values = 100.0 * record.acceleration
@@ -140,10 +144,10 @@ def write(path: str | Path, record: Record) -> None:
         "NDATA": str(values.size),
         "STREAM": stream,
         "UNITS": "cm/s^2",
-        "PGA_CM/S^2": f"{values[peak]:.6f}",
+        "PGA_CM/S^2": f"{float(_sample(values[peak])):.6f}",
         "TIME_PGA_S": f"{peak * record.time_step:.6f}",
         "HEADER_FORMAT": "DYNA 1.2",
         "DATA_TYPE": "ACCELERATION",
     }
     lines = [f"{key}: {one_line(value)}" for key, value in header.items()]
-    Path(path).write_text("\n".join([*lines, *(f"{v:.9g}" for v in values), ""]), encoding="utf-8")
+    Path(path).write_text("\n".join([*lines, *(_sample(v) for v in values), ""]), encoding="utf-8")

@@ -33,10 +33,7 @@ class TextFile:
         """Raise RecordFileError about one line: what stands there and what was wanted."""
         if index >= len(self.lines):
             raise RecordFileError(f"{self.name}: ends after line {len(self.lines)}, want {wanted}")
-        shown = repr(self.lines[index][:80])
-        if len(self.lines[index]) > 80 or len(shown) > 82:
-            shown = f"{shown[:78]}...'"
-        raise RecordFileError(f"{self.name}, line {index + 1}: found {shown}, want {wanted}")
+        raise RecordFileError(f"{self.name}, line {index + 1}: found {quoted(self.lines[index])}, want {wanted}")
 
     def line(self, index: int, wanted: str) -> str:
         """The line at an index, or the error that the file ends before it."""
@@ -121,6 +118,12 @@ def decimals(text: str) -> float:
     """Half of the last digit that a number is printed with: `1.63` gives 0.005."""
     found = re.search(r"\.(\d*)", text)
     return 0.5 * 10.0 ** -len(found.group(1)) if found else 0.5
+
+
+def quoted(text: str, longest: int = 80) -> str:
+    """A text from a file in quotes, with escapes for what does not show, cut where it is long."""
+    shown = repr(text[:longest])
+    return shown if len(text) <= longest and len(shown) <= longest + 2 else f"{shown[: longest - 2]}...{shown[-1]}"
 
 
 def one_line(text: str) -> str:

@@ -59,6 +59,14 @@ def test_an_offset_is_taken_out_and_said(tmp_path, capsys):
     assert "PGA 1 m/s^2" in out and "after an offset of 0.7 m/s^2 was taken out" in out
 
 
+def test_names_in_a_file_do_not_drive_the_terminal(tmp_path, capsys):
+    path = tmp_path / "made.csv"
+    path.write_bytes("time [s],a\x9b31m\x0cb [g]\n0,1\n0.01,2\n".encode("latin-1"))
+    assert main([str(path)]) == 0
+    out = capsys.readouterr().out
+    assert out.count("\n") == 1 and "\x9b" not in out and "\x0c" not in out
+
+
 def test_units_can_be_stated(tmp_path, capsys):
     path = tmp_path / "plain.txt"
     path.write_text("0 0.1\n10 -0.2\n20 0.1\n")

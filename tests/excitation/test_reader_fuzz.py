@@ -183,6 +183,49 @@ def test_a_file_larger_than_any_record_is_refused_unread(tmp_path):
         ex.read(path)
 
 
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("peer", "0.0050", "1e-300"),
+        ("peer", "0.0050", "1e300"),
+        ("dyna", "L_S: 0.005000", "L_S: 1e9"),
+        ("knet", "100Hz", "0.000001Hz"),
+        ("columns", "0.01,", "1e300,"),
+    ],
+)
+def test_a_time_step_of_no_record_is_refused(tmp_path, name, old, new):
+    assert old in FILES[name]
+    assert outcome(tmp_path, FILES[name].replace(old, new, 1).encode()) is None
+
+
+@pytest.mark.parametrize("name", [n for n in FILES if n != "knet"])
+def test_a_sample_of_no_motion_is_refused(tmp_path, name):
+    """A number that overflows once it is squared, where some sample stood: found by the fuzz."""
+    lines = FILES[name].split("\n")
+    last = next(i for i, line in enumerate(lines) if "OF ACCEL" in line) + 2 if name == "csmip 2" else len(lines) - 5
+    width = max(10, len(lines[last]) - len(lines[last].lstrip()))
+    lines[last] = "1e300".rjust(width) + lines[last][width:]
+    assert outcome(tmp_path, "\n".join(lines).encode()) is None
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_padding_of_old_systems_is_no_damage(tmp_path, name):
+    """The character 26 to the end of the block, before or after the last line end; in the middle it is damage, said in
+    a short line: found by the fuzz."""
+    data = FILES[name].encode()
+    for padding in (b"\x1a", b"\x1a" * 100, b"\n" + b"\x1a" * 3, b"\x1a\r\n\r\n\x1a"):
+        assert outcome(tmp_path, data + padding)[0].acceleration.size == WHOLE["size"]
+    lines = data.split(b"\n")
+    middle = b"\n".join([*lines[: len(lines) // 2], b"\x1a" * 200, *lines[len(lines) // 2 :]])
+    assert outcome(tmp_path, middle) is None
+
+
+def test_what_does_not_show_is_cut_short_in_messages(tmp_path):
+    """A long unit of characters that are shown as escapes: found by a coverage-guided fuzz."""
+    assert outcome(tmp_path, b"time [s],a [" + b"\x9a" * 120 + b"g]\n0.00,0.0\n0.03,0.0\n") is None
+    assert outcome(tmp_path, b"\x9b" * 200 + b"\n1 2\n") is None
+
+
 def test_one_line_of_a_million_characters_is_refused(tmp_path):
     assert outcome(tmp_path, b"Origin Time" + b"9" * 1_000_000) is None
     assert outcome(tmp_path, b"1" * 1_000_000 + b" 2\n1 2") is None

@@ -1,5 +1,7 @@
 """Records: integrals against closed forms, and round trips through every format that is written."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -46,16 +48,63 @@ def test_a_vertical_record_stays_vertical(tmp_path, format):
 
 
 def test_columns_hold_several_records_to_the_last_bit(tmp_path):
-    from excitation.formats import columns
-
     rng = np.random.default_rng(3)
     pair = [ex.Record(1 / 128, rng.normal(size=50), component=name) for name in ("N-S", "U D")]
-    columns.write(tmp_path / "pair.csv", *pair)
+    ex.write(tmp_path / "pair.csv", pair, "columns")
     again = ex.read(tmp_path / "pair.csv")
     assert [r.component for r in again] == ["N-S", "U_D"]
     assert all(np.array_equal(a.acceleration, b.acceleration) for a, b in zip(again, pair, strict=True))
     with pytest.raises(ValueError, match="records: have time steps"):
-        columns.write(tmp_path / "x", pair[0], ex.Record(0.01, rng.normal(size=50)))
+        ex.write(tmp_path / "x", [pair[0], ex.Record(0.01, rng.normal(size=50))], "columns")
+    with pytest.raises(ValueError, match="record: 2 of them, want one, or one or more in the format columns"):
+        ex.write(tmp_path / "x", pair, "peer")
+    with pytest.raises(ValueError, match="record: 0 of them"):
+        ex.write(tmp_path / "x", [], "columns")
+
+
+@pytest.mark.parametrize("format", WRITERS)
+@several
+@given(record=records)
+def test_writing_what_was_read_gives_the_same_bytes(tmp_path, format, record):
+    """The digits of a format are kept exactly: the second file is the first."""
+    first, second = tmp_path / "first", tmp_path / "second"
+    ex.write(first, record, format)
+    (read,) = ex.read(first)
+    ex.write(second, replace(read, source=record.source), format)
+    (again,) = ex.read(second)
+    assert np.array_equal(again.acceleration, read.acceleration) and again.time_step == read.time_step
+    if format == "columns":
+        assert np.array_equal(read.acceleration, record.acceleration) and read.time_step == record.time_step
+    assert second.read_bytes() == first.read_bytes()
+
+
+@pytest.mark.parametrize("format", WRITERS)
+@pytest.mark.parametrize(
+    ("component", "azimuth", "vertical"),
+    [
+        ("N-S", 0.0, False), ("E-W", 90.0, False), ("", 0.0, False), ("", 67.0, False), ("HNE", 90.0, False),
+        ("UP", None, True), ("", None, True), ("DOWN", None, True), ("N65E", 65.0, False), ("L", None, False),
+        ("x, (y) [z]\r\nNDATA: 3", 180.0, False),
+    ],
+)  # fmt: skip
+def test_directions_come_back_from_every_format(tmp_path, format, component, azimuth, vertical):
+    """Whatever the component is called, what it means is kept: azimuth, vertical and positive upward."""
+    record = ex.Record(
+        0.01, [0.1, 0.3, -0.2], component=component, azimuth_deg=azimuth, vertical=vertical,
+        event="E, v [e]\nNDATA: 7", station="A\rB: C", source="s\n| 5",
+    )  # fmt: skip
+    ex.write(tmp_path / "record", record, format)
+    (again,) = ex.read(tmp_path / "record")
+    assert (again.azimuth_deg, again.vertical) == (azimuth, vertical)
+    assert again.acceleration == pytest.approx(record.acceleration, rel=1e-6)
+    if format in ("peer", "smc"):
+        assert again.event == "E, v [e] NDATA: 7"
+
+
+def test_a_start_time_that_is_none_is_named(tmp_path):
+    record = ex.Record(0.01, [0.1, 0.3], start_time="noon")
+    with pytest.raises(ValueError, match="start_time='noon': want ISO 8601"):
+        ex.write(tmp_path / "x", record, "dyna")
 
 
 def test_a_format_that_is_not_written_is_named(tmp_path):

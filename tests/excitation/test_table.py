@@ -101,6 +101,28 @@ def test_sensors_add_white_noise_of_the_stated_size():
     assert np.array_equal(again, horizontal.acceleration)
 
 
+def test_sensors_on_a_pitching_table_feel_gravity():
+    """A table held at an angle of 2 mrad clockwise: its x axis points down, and the sensor at rest shows -g sin(pitch)
+    along and g (cos(pitch) - 1) normal to it; at small angles under motion a_x - (g + a_z) pitch, a_z + a_x pitch."""
+    held = ex.SampledMotion(0.01, np.zeros(50), pitch=np.full(50, 2e-3))
+    along, normal = ex.Table().recorded(held)
+    assert along.acceleration == pytest.approx(-9.80665 * math.sin(2e-3), rel=1e-12)
+    assert normal.acceleration == pytest.approx(9.80665 * (math.cos(2e-3) - 1), rel=1e-9)
+    motion = shaken(cross_axis=0.05, pitch_per_acceleration=1e-4)
+    along, normal = ex.Table().recorded(motion)
+    tilt = motion.pitch_angle
+    # Second order of a tilt of 2e-4 rad.
+    assert along.acceleration == pytest.approx(motion.a_x - (9.80665 + motion.a_z) * tilt, abs=2e-7)
+    assert normal.acceleration == pytest.approx(motion.a_z + motion.a_x * tilt, abs=1e-6)
+
+
+def test_a_table_shows_its_departures_alone():
+    assert repr(ex.Table()) == "Table()"
+    assert repr(ex.Table(noise=0.1, seed=3)) == "Table(noise=0.1, seed=3)"
+    shown = repr(ex.Table.second_order(10.0, 0.6))
+    assert shown == "Table(frequencies=<401 values>, gain=<401 values>, phase=<401 values>)"
+
+
 def test_departures_can_be_taken_away_one_by_one():
     table = ex.Table(second_harmonic=0.1, noise=0.1, frequencies=(1.0,), gain=(2.0,), phase=(0.0,))
     assert table.without("second_harmonic", "noise", "gain") == ex.Table()
