@@ -6,8 +6,8 @@ Mirrored to the carrying side (phi = s theta), with the levers of `rocking.form`
 
 (Lagrange's equation per mass; psi'' is the pitch acceleration), to which the effects add their own angular
 accelerations.  Lift-off follows from the same line: a side begins to carry when its phi'' at rest rises above what
-adhesion holds.  At an impact omega is multiplied by the restitution of the form, scaled by restitution over Housner's
-where one is given, after which the effects have their say.
+adhesion holds.  At an impact omega is multiplied by the restitution of the form, or by the one given, after which the
+effects have their say.
 
 Source   own derivation; the case without effects is `rocking.method1` (Yim, Chopra & Penzien 1980).
 Status   equal to Method 1 to rounding when every effect is absent (tests).  No sliding and no jump.
@@ -48,7 +48,7 @@ class Parameters(NamedTuple):
 def _added(theta: Any, omega: Any, s: Any, base: Base, par: Parameters) -> Any:
     """Angular acceleration [rad/s^2] that the effects add."""
     total = 0.0
-    for i in range(len(par.hooks.accelerations)):
+    for i in range(par.hooks.pushing):
         total = total + par.hooks.accelerations[i](theta, omega, s, base, par.hooks.values[i])
     return total
 
@@ -71,7 +71,11 @@ def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any
 
 def _held(xp: Any, s: Any, base: Base, par: Parameters) -> Any:
     """Moment over mass [m^2/s^2] that is left before the side s begins to carry; below zero it does."""
-    torque, M = _torque(xp, 0.0, 0.0, s, base, par)
+    # The levers of phi = 0, without their sines.
+    q, z = par.a - s * par.o, par.r + par.H
+    A_x, A_z = in_floor_axes(xp, base, par.g)
+    torque = -(A_z * q + s * (A_x * z + base.pitch_acceleration * (z * z - s * par.o * q + par.rho2)))
+    M = par.rho2 + z * z + q * q
     return par.hold - torque - M * s * _added(0.0, 0.0, s, base, par)
 
 
@@ -88,7 +92,7 @@ def _after(xp: Any, omega: Any, s: Any, par: Parameters) -> Any:
     """Angular velocity after the impact at which the side s hands over; the restitution stays within 0 and 1."""
     e = xp.where(s > 0.0, par.e_right, par.e_left)
     slots = len(par.hooks.restitutions)
-    for i in range(slots):
+    for i in range(par.hooks.striking):
         e = par.hooks.restitutions[i](e, omega, s, par.hooks.values[slots + i])
     return xp.minimum(xp.maximum(e, 0.0), 1.0) * omega
 
@@ -161,14 +165,16 @@ class ComposedMethod1:
     def restitutions(self) -> tuple[float, float]:
         """Restitution of eq. (4) when the +x and when the -x edge hands over [1].
 
-        A given one scales both as it scales the ideal block's, so that a form without effects has just that.
+        A given one is what was measured: their geometric mean, the two apart as the form would have them.
         """
-        given, ideal = self.method.restitution, Form.of(self.block).restitution(1.0)
+        right, left = self.form.restitution(1.0), self.form.restitution(-1.0)
+        given = self.method.restitution
         if given is None:
-            return self.form.restitution(1.0), self.form.restitution(-1.0)
-        if ideal <= 0.0:
+            return right, left
+        if right <= 0.0 or left <= 0.0:
             return given, given
-        return given * self.form.restitution(1.0) / ideal, given * self.form.restitution(-1.0) / ideal
+        apart = math.sqrt(right / left)
+        return given * apart, given / apart
 
     @property
     def theta_c(self) -> float:

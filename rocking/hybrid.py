@@ -68,7 +68,9 @@ class Hooks(NamedTuple):
 
     accelerations: tuple[Callable[..., Any], ...]
     restitutions: tuple[Callable[..., Any], ...]
-    values: Any  # shape (2 slots, value): a row for each function
+    values: tuple[tuple[Any, ...], ...]  # a row for each function, 2 slots of them of one length
+    pushing: int  # how many of the accelerations are there; the rest of the tuple only fills it up
+    striking: int  # how many of the restitutions
 
 
 def bind_hooks(par: Any, bind: Callable[[Callable[..., Any]], Callable[..., Any]]) -> Any:
@@ -76,12 +78,12 @@ def bind_hooks(par: Any, bind: Callable[[Callable[..., Any]], Callable[..., Any]
     hooks = getattr(par, "hooks", None)
     if hooks is None:
         return par
-    bound = Hooks(tuple(map(bind, hooks.accelerations)), tuple(map(bind, hooks.restitutions)), hooks.values)
-    return par._replace(hooks=bound)
+    accelerations, restitutions = tuple(map(bind, hooks.accelerations)), tuple(map(bind, hooks.restitutions))
+    return par._replace(hooks=hooks._replace(accelerations=accelerations, restitutions=restitutions))
 
 
 def numbers_of(par: Any) -> Any:
-    """Parameters with the values of their hooks in place of these: numbers and arrays alone."""
+    """Parameters with the values of their hooks in place of these: numbers alone."""
     return par._replace(hooks=par.hooks.values) if hasattr(par, "hooks") else par
 
 

@@ -76,7 +76,7 @@ def solve(
         raise ValueError(f"max_events={max_events!r}: want 1 or more")
     if initial is not None and (theta != 0.0 or omega != 0.0):
         raise ValueError("initial: want it without theta and omega, which it already holds")
-    times = np.linspace(t_start, t_end, DEFAULT_SAMPLES) if save_at is None else np.asarray(save_at, float)
+    times = np.linspace(t_start, t_end, DEFAULT_SAMPLES) if save_at is None else np.array(save_at, float)
     if times.ndim != 1 or np.any(np.diff(times) < 0.0) or not np.all((times >= t_start) & (times <= t_end)):
         raise ValueError(f"save_at: want ascending times between t_start={t_start!r} and t_end={t_end!r} s")
     base = Still() if motion is None else motion

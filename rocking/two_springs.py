@@ -89,7 +89,7 @@ def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any
     A_z = A_z - base.pitch_acceleration * y[0]
     moment = right.r_z * F_r - right.r_x * N_r + left.r_z * F_l - left.r_x * N_l
     omega_dot = moment / par.rho2 - base.pitch_acceleration
-    for i in range(len(par.hooks.accelerations)):
+    for i in range(par.hooks.pushing):
         omega_dot = omega_dot + par.hooks.accelerations[i](y[2], y[5], q.s, base, par.hooks.values[i])
     return y[3], y[4], y[5], F_r + F_l - A_x, N_r + N_l - A_z, omega_dot, 0.0 * y[6], 0.0 * y[7]
 

@@ -21,8 +21,6 @@ from functools import cache
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from rocking.effect import Effect
 
 if TYPE_CHECKING:
@@ -32,7 +30,7 @@ if TYPE_CHECKING:
 GROUP = "rocking.effects"
 
 SLOTS = 4
-"""Hooks are filled up to a multiple of this with ones that add nothing, so that few kinds of loop are compiled."""
+"""Hooks, and the numbers that each takes, are filled up to this or twice it and so on: few kinds of loop compile."""
 
 
 def _nothing_added(xp: Any, theta: Any, omega: Any, s: Any, base: Any, values: Any) -> Any:
@@ -152,15 +150,22 @@ def _hooks(effects: Sequence[Effect], form: Any) -> Any:
 
     pushing = [e for e in effects if "acceleration" in e.ways()]
     striking = [e for e in effects if "restitution" in e.ways()]
-    slots = SLOTS * max(1, -(-max(len(pushing), len(striking)) // SLOTS))
+    slots = _filled(max(len(pushing), len(striking)))
     accelerations = [type(e).acceleration for e in pushing] + [_nothing_added] * (slots - len(pushing))
     restitutions = [type(e).restitution for e in striking] + [_unchanged] * (slots - len(striking))
     rows = {i: e.values(form) for i, e in enumerate(pushing)}
     rows |= {slots + i: e.values(form) for i, e in enumerate(striking)}
-    values = np.zeros((2 * slots, max([1, *map(len, rows.values())])))
-    for i, row in rows.items():
-        values[i, : len(row)] = row
-    return Hooks(tuple(accelerations), tuple(restitutions), values)
+    width = _filled(max([0, *map(len, rows.values())]))
+    values = tuple((*rows.get(i, ()), *(0.0,) * (width - len(rows.get(i, ())))) for i in range(2 * slots))
+    return Hooks(tuple(accelerations), tuple(restitutions), values, len(pushing), len(striking))
+
+
+def _filled(count: int) -> int:
+    """SLOTS, or the power of two times it that holds so many."""
+    size = SLOTS
+    while size < count:
+        size *= 2
+    return size
 
 
 def base_with(motion: BaseMotion, effects: Sequence[Effect], span: tuple[float, float], g: float) -> BaseMotion:

@@ -35,12 +35,15 @@ class Model(NamedTuple):
     pitch: Callable[..., Any] | None = None  # pitch_kernel of the motion
     accelerations: tuple[Callable[..., Any], ...] = ()  # hooks of the system, if it has any
     restitutions: tuple[Callable[..., Any], ...] = ()
+    pushing: int = 0  # how many of them are there
+    striking: int = 0
 
     def with_hooks(self, numbers: Any) -> Any:
         """The parameters that the system's functions take, from their numbers alone (`hybrid.numbers_of`)."""
         if not hasattr(numbers, "hooks"):
             return numbers
-        whole = numbers._replace(hooks=Hooks(self.accelerations, self.restitutions, numbers.hooks))
+        hooks = Hooks(self.accelerations, self.restitutions, numbers.hooks, self.pushing, self.striking)
+        whole = numbers._replace(hooks=hooks)
         return bind_hooks(whole, lambda hook: partial(hook, jnp))
 
 
@@ -49,10 +52,10 @@ def model_of(system: System, motion: BaseMotion) -> Model:
     states, guards = system.state_names, system.guard_names
     impacts = tuple(guards.index(name) for name in ("impact", "landing", "contact") if name in guards)
     functions = (system.flow, system.guards, system.jump, system.balance, motion.kernel)
-    hooks = getattr(system.parameters, "hooks", Hooks((), (), None))
+    hooks = getattr(system.parameters, "hooks", Hooks((), (), (), 0, 0))
     return Model(
         *functions, states.index("theta"), states.index("omega"), impacts,
-        pitch_kernel(motion), hooks.accelerations, hooks.restitutions,
+        pitch_kernel(motion), hooks.accelerations, hooks.restitutions, hooks.pushing, hooks.striking,
     )  # fmt: skip
 
 

@@ -10,22 +10,23 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
-import numba
 import numpy as np
 from numba import types
-from numba.np.unsafe.ndarray import to_fixed_tuple
 from numpy.typing import NDArray
 
-from rocking.hybrid import REST, Discrete, Hooks, System
+from rocking.hybrid import REST, Discrete, System
 from rocking.motion import BaseMotion, pitch_kernel
 from rocking.solvers.numba_compile import compiled
 from rocking.solvers.numba_functions import (
+    Size,
     compiled_hooks,
     motion_function,
+    parameter_maker,
     parameter_type,
-    shape_of,
+    size_of,
     system_functions,
 )
+from rocking.solvers.numba_threads import over_runs
 from rocking.solvers.recording import FELL, REACHED_END, segment_edges
 from rocking.trajectory import BALANCE
 
@@ -36,27 +37,15 @@ State = tuple[tuple[float, ...], Discrete]
 
 
 @cache
-def _loop_over_runs(functions: tuple[Any, ...], kind: Any, n_par: int, slots: int) -> Any:
+def _loop_over_runs(functions: tuple[Any, ...], kind: Any, size: Size) -> Any:
     """The loop over runs; `functions` are flow, guards, jump, balance, motion and the loop of one run."""
-    if slots == 0:
-
-        @numba.njit(error_model="numpy")
-        def parameters(numbers, hooks, values):
-            return kind(*to_fixed_tuple(numbers, n_par))  # type: ignore[call-arg]
-
-    else:
-
-        @numba.njit(error_model="numpy")
-        def parameters(numbers, hooks, values):
-            own = Hooks(hooks.accelerations, hooks.restitutions, values)
-            return kind(*to_fixed_tuple(numbers, n_par), own)  # type: ignore[call-arg]
+    parameters = parameter_maker(kind, size)
 
     def batch(
         flow, guards, jump, balance, motion, run, y0, q0, pars, hooks, values, mpars, edges, steps, tol, most,
-        n_guards, is_impact, at,
+        n_guards, is_impact, at, out, first, last,
     ):  # fmt: skip
-        out = np.empty((y0.shape[0], COLUMNS))
-        for i in numba.prange(y0.shape[0]):
+        for i in range(first, last):
             q = Discrete(int(q0[i, 0]), q0[i, 1], q0[i, 2])
             par = parameters(pars[i], hooks, values[i])
             status, t, mode, _, peak, _, (times, codes, _, states) = run(
@@ -74,18 +63,18 @@ def _loop_over_runs(functions: tuple[Any, ...], kind: Any, n_par: int, slots: in
             theta = states[times.size - 1, 0, at[0]] if times.size > 0 else y0[i, at[0]]
             out[i, STATUS], out[i, T_END], out[i, OVERTURNING], out[i, THETA_END] = status, t, overturning, theta
             out[i, PEAK], out[i, IMPACTS], out[i, ONSET], out[i, LAST_MODE] = peak, impacts, onset, mode
-        return out
 
     f8, i8 = types.float64, types.int64
     row, table = f8[::1], f8[:, ::1]
     pointers = [types.FunctionType(function.nopython_signatures[0]) for function in functions]
     flags, watched = types.boolean[::1], types.UniTuple(i8, 2)
-    held = types.int64 if slots == 0 else parameter_type(kind, n_par, slots).types[-1]
+    held = types.int64 if size.slots == 0 else parameter_type(kind, size).types[-1]
     arguments = (
-        *pointers, table, table, table, held, f8[:, :, ::1], table, table, row, row, i8, i8, flags, watched
+        *pointers, table, table, table, held, f8[:, :, ::1], table, table, row, row, i8, i8, flags, watched, table,
+        i8, i8,
     )  # fmt: skip
-    label = f"batch_{kind.__module__}_{kind.__qualname__}_{slots}".replace(".", "_")
-    return compiled(batch, arguments, label, parallel=True)
+    label = f"batch_{kind.__module__}_{kind.__qualname__}_{size.slots}_{size.width}".replace(".", "_")
+    return compiled(batch, arguments, label)
 
 
 def _edges(motions: Sequence[BaseMotion], t_start: float, t_end: float) -> NDArray[np.float64]:
@@ -97,21 +86,20 @@ def _edges(motions: Sequence[BaseMotion], t_start: float, t_end: float) -> NDArr
     return table
 
 
-def _hooks_of(systems: Sequence[System], slots: int) -> tuple[Any, NDArray[np.float64]]:
-    """Compiled hooks that all runs share, and the values of each, shape (run, 2 slots, value).
+def hooks_of(systems: Sequence[System], size: Size) -> tuple[Any, NDArray[np.float64]]:
+    """Compiled hooks that all runs share, and the numbers that each takes, shape (run, 2 slots, width).
 
     Raises:
-        ValueError: the systems have different hooks, or different numbers of values.
+        ValueError: the systems have different hooks.
     """
-    if slots == 0:
+    if size.slots == 0:
         return 0, np.zeros((len(systems), 0, 0))
     each = [s.parameters.hooks for s in systems]
-    if any((h.accelerations, h.restitutions) != (each[0].accelerations, each[0].restitutions) for h in each):
+    if any(h._replace(values=()) != each[0]._replace(values=()) for h in each):
         raise ValueError("systems: want the same effects on the equations of motion and on the impact in a batch")
-    if any(np.shape(h.values) != np.shape(each[0].values) for h in each):
-        raise ValueError("systems: want effects with as many values each in a batch")
-    held = compiled_hooks(each[0])._replace(values=np.ascontiguousarray(each[0].values, np.float64))
-    return held, np.ascontiguousarray([h.values for h in each], dtype=np.float64)
+    if any(len(h.values[0]) != size.width for h in each):
+        raise ValueError("systems: want effects with as many numbers each in a batch")
+    return compiled_hooks(each[0]), np.array([h.values for h in each], dtype=np.float64)
 
 
 def run_batch(
@@ -147,31 +135,33 @@ def run_batch(
     ):
         raise ValueError("motions: want them of one kind, with as many parameters each, in a batch")
     y0 = np.array([y for y, _ in states], dtype=np.float64)
-    names, n_guards, (n_par, slots) = first.state_names, len(first.guard_names), shape_of(first.parameters)
+    names, n_guards, size = first.state_names, len(first.guard_names), size_of(first.parameters)
     functions, run = system_functions(
-        first.flow, first.guards, first.jump, first.balance, kind, y0.shape[1], n_par, slots, n_guards
+        first.flow, first.guards, first.jump, first.balance, kind, y0.shape[1], size, n_guards
     )
     every = (*functions, motion_function(base), run)
-    numbers = np.array([s.parameters[:n_par] for s in systems], dtype=np.float64)
-    hooks, values = _hooks_of(systems, slots)
-    out = np.asarray(
-        _loop_over_runs(every, kind, n_par, slots)(
-            *every,
-            y0,
-            np.array([[q.mode, q.s, q.slip] for _, q in states], dtype=np.float64),
-            numbers,
-            hooks,
-            values,
-            np.array([m.parameters for m in motions], dtype=np.float64),
-            _edges(motions, *t_span),
-            np.array([m.max_step for m in motions], dtype=np.float64),
-            np.array([rtol, atol]),
-            max_events,
-            n_guards,
-            np.array([name in ("impact", "landing", "contact") for name in first.guard_names]),
-            (names.index("theta"), names.index("omega")),
-        )
+    numbers = np.array([s.parameters[: size.floats] for s in systems], dtype=np.float64)
+    hooks, values = hooks_of(systems, size)
+    loop = _loop_over_runs(every, kind, size)
+    out = np.empty((len(systems), COLUMNS))
+    arguments = (
+        *every,
+        y0,
+        np.array([[q.mode, q.s, q.slip] for _, q in states], dtype=np.float64),
+        numbers,
+        hooks,
+        values,
+        np.array([m.parameters for m in motions], dtype=np.float64),
+        _edges(motions, *t_span),
+        np.array([m.max_step for m in motions], dtype=np.float64),
+        np.array([rtol, atol]),
+        max_events,
+        n_guards,
+        np.array([name in ("impact", "landing", "contact") for name in first.guard_names]),
+        (names.index("theta"), names.index("omega")),
+        out,
     )
+    over_runs(lambda first, last: loop(*arguments, first, last), len(systems))
     return {
         "fell": out[:, STATUS] == FELL,
         "failed": ~np.isin(out[:, STATUS], (FELL, REACHED_END)),

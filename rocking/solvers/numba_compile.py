@@ -121,8 +121,11 @@ def compiled(
     return dispatcher
 
 
-def bound(function: Any, arity: int, signature: Any) -> Any:
-    """`function(xp, ...)` of the physics as a compiled function of its other arguments."""
+def bound(function: Any, arity: int, signature: Any, suffix: str = "") -> Any:
+    """`function(xp, ...)` of the physics as a compiled function of its other arguments.
+
+    suffix: added to the name, where one function is compiled for several signatures.
+    """
     files = make_jitable(function)
     xp = numba_namespace
     bodies: dict[int, Callable[..., Any]] = {
@@ -130,7 +133,7 @@ def bound(function: Any, arity: int, signature: Any) -> Any:
         4: lambda a, b, c, d: function(xp, a, b, c, d),
         5: lambda a, b, c, d, e: function(xp, a, b, c, d, e),
     }
-    return compiled(bodies[arity], signature, _label(function, arity), files, keep=_importable(function))
+    return compiled(bodies[arity], signature, _label(function, arity) + suffix, files, keep=_importable(function))
 
 
 def bound_motion(kernel: Any, pitch: Any, signature: Any) -> Any:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rocking.hybrid import Discrete, System
 from rocking.motion import BaseMotion
-from rocking.solvers.numba_functions import compiled_parameters, motion_function, shape_of, system_functions
+from rocking.solvers.numba_functions import compiled_parameters, motion_function, size_of, system_functions
 from rocking.solvers.recording import segment_edges, trajectory
 from rocking.trajectory import Events, Trajectory
 
@@ -56,7 +56,7 @@ class NumbaEvents:
         kind: Any = type(par)
         n_guards = len(system.guard_names)
         functions, loop = system_functions(
-            system.flow, system.guards, system.jump, system.balance, kind, len(y0), *shape_of(par), n_guards
+            system.flow, system.guards, system.jump, system.balance, kind, len(y0), size_of(par), n_guards
         )
         status, t, last_mode, steps, peak, saved, table = loop(
             *functions,
