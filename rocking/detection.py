@@ -109,7 +109,7 @@ def _without_base(values: Array, references: Array, standing: NDArray[np.bool_])
         raise ValueError(
             "reference: tells nothing while the block stands (zero or proportional to another); leave it out"
         )
-    return values - found @ terms, float(found[0]), found[1:]
+    return np.asarray(values - found @ terms), float(found[0]), np.asarray(found[1:])
 
 
 def detect_onset(
