@@ -4,6 +4,30 @@ A motion is an immutable object.  Calling it with times gives accelerations; its
 same formula in the form that a compiling solver takes (see `excitation.motion.Motion`).  A record is an acceleration
 history with where it is from (`excitation.record.Record`); `read` finds them in files, functions process them, and
 `record.motion()` makes a motion of one.  `python -m excitation FILE` shows what a file holds.
+
+The first five minutes, in SI units:
+
+>>> import excitation as ex
+>>> ramp = ex.RampedSinusoid(frequency=2.0, duration=10.0, final_amplitude=4.0)  # Hz, s, m/s^2
+>>> a_x, a_z = ramp([2.125, 5.125])  # at these times; ramp.pitch([...]) gives the pitch and its acceleration
+>>> a_x.round(3).tolist()
+[0.85, 2.05]
+>>> tilting = ex.Combined(ramp, pitching=ex.SinusoidalPitch(frequency=2.0, amplitude=1e-3, duration=10.0, growing=True))
+>>> ex.from_xarray(tilting.to_xarray([0.0, 0.1, 0.2])) == tilting  # a dataset with units, and back
+True
+
+A record is made here, or read: the format is found by what stands in the file.
+
+>>> ex.write("made.AT2", ex.KanaiTajimi(rms=1.0, duration=20.0).record(time_step=0.01, seed=1), "peer")
+>>> (record,) = ex.read("made.AT2")
+>>> record
+Record(made.AT2, 2001 samples at 0.01 s, PGA 3.37 m/s^2)
+>>> strong = ex.scaled_to(ex.band_passed(ex.baseline_corrected(record), 0.1, 25.0), pga=2.0)
+>>> round(ex.intensity(strong).pga, 12), strong.metadata["processing"].split("; ")[-1][:9]
+(2.0, 'scaled by')
+>>> spectrum = ex.response_spectrum(strong, periods=[0.2, 0.5, 1.0])  # spectrum.pseudo_acceleration [m/s^2]
+>>> strong.motion()  # what a solver takes; ex.Table().shake(...) is what a real table makes of it
+SampledMotion('made.AT2', 2001 samples at 0.01 s from 0 s)
 """
 
 from excitation.baseline import baseline_corrected

@@ -109,7 +109,7 @@ def _headings(text: TextFile, index: int, separator: str | None, units: str | No
 
 def _step(text: TextFile, first: int, times: NDArray[np.float64], printed: str, scale: float) -> float:
     """The equal spacing [s] of the time column."""
-    step = float(times[-1] - times[0]) / (times.size - 1)
+    step = (float(times[-1]) - float(times[0])) / (times.size - 1)
     if not step > 0.0:
         text.fail(first, "times that ascend")
     off = np.abs(times - times[0] - step * np.arange(times.size))
@@ -134,8 +134,8 @@ def _exact(step: float, times: NDArray[np.float64]) -> float:
 
 def printed_resolution(number: str) -> float:
     """Half of the last digit of a printed number, its exponent in it."""
-    mantissa, _, exponent = number.strip().lower().partition("e")
-    return decimals(mantissa) * 10.0 ** int(exponent or 0)
+    mantissa, _, exponent = number.strip().lower().replace("d", "e").partition("e")
+    return decimals(mantissa) * 10.0 ** min(300.0, float(exponent or 0))
 
 
 def parse(text: TextFile, units: str | None = None, time_units: str | None = None) -> list[Record]:

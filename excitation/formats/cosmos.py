@@ -72,10 +72,10 @@ def _step(text: TextFile, reals: Any, at: int, index: int, count: int, unknown: 
 
 def _unknown(text: TextFile, first: int, last: int) -> float:
     """The number that stands for unknown real values."""
-    for line in text.lines[first:last]:
+    for i, line in enumerate(text.lines[first:last], start=first):
         found = re.search(r"unknown/unspecified:\s*(-?\d+)[,\s]+(-?[\d.]+)", line)
         if found:
-            return float(found.group(2))
+            return text.number(i, found.group(2), "the number that stands for unknown real values")
     return -999.0
 
 

@@ -74,8 +74,8 @@ def parse(text: TextFile) -> list[Record]:
     comments = integers[COMMENTS]
     if not 0 <= comments <= 10000:
         text.fail(TEXT_LINES + COMMENTS // 8, "the number of comment lines, 0 to 10000, as integer 16")
-    if not 0.0 < reals[RATE] < 1e6:
-        text.fail(TEXT_LINES + INTEGER_LINES, "the samples a second, above 0 and below 1e6, as real 2")
+    if not 1e-6 < reals[RATE] < 1e6:
+        text.fail(TEXT_LINES + INTEGER_LINES, "the samples a second, above 1e-6 and below 1e6, as real 2")
     data = first + int(comments)
     for i in range(first, data):
         text.match(i, r"^\|", f"a comment that begins with |, one of {int(comments)}")

@@ -17,7 +17,10 @@ MAX_BYTES = 256 * 1024 * 1024
 """Larger files are refused: a day of three components at 200 Hz in text is about 600 MB, an event less than 10 MB."""
 
 _NOT_A_NUMBER = re.compile(r"[^0-9eEdD+\-.\s]")
-_FORTRAN = re.compile(r"\(?\s*(?:1P,?)?\s*(\d*)\s*[IFEDG]\s*(\d+)(?:\.\d+)?[A-Z]?\d*\s*\)?", re.IGNORECASE)
+_FORTRAN = re.compile(r"\(?\s*(?:1P,?)?\s*(\d{0,6})\s*[IFEDG]\s*(\d{1,6})(?:\.\d+)?[A-Z]?\d*\s*\)?", re.IGNORECASE)
+
+LARGEST_NUMBER = 1e60
+"""Above all that a file may mean (1.7e38 stands for what is not known), and far from where products overflow."""
 
 
 @dataclass(frozen=True)
@@ -49,9 +52,9 @@ class TextFile:
         return found
 
     def number(self, index: int, text: str, wanted: str) -> float:
-        """`text` of a line as a finite number."""
+        """`text` of a line as a finite number, zero or of a size that can be divided by."""
         value = to_float(text)
-        if value is None:
+        if value is None or 0.0 < abs(value) < 1.0 / LARGEST_NUMBER:
             self.fail(index, wanted)
         return value
 
@@ -147,7 +150,7 @@ def _fields(lines: list[str], width: int | None) -> list[str]:
 
 
 def _floats(fields: list[str]) -> NDArray[np.float64] | None:
-    """The fields as finite numbers, or None."""
+    """The fields as finite numbers up to LARGEST_NUMBER, or None."""
     joined = "\n".join(fields)
     if _NOT_A_NUMBER.search(joined):
         return None
@@ -157,7 +160,7 @@ def _floats(fields: list[str]) -> NDArray[np.float64] | None:
         values = np.array(fields, dtype=np.float64) if fields else np.empty(0)
     except ValueError:
         return None
-    return values if np.all(np.isfinite(values)) else None
+    return values if np.all(np.abs(values) <= LARGEST_NUMBER) else None  # not-a-number compares false
 
 
 def read_bytes(path: str | Path) -> bytes:

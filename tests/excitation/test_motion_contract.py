@@ -1,5 +1,6 @@
 """What must hold for every motion, whatever it is."""
 
+import doctest
 import json
 import subprocess
 import sys
@@ -82,9 +83,14 @@ def test_times_that_are_not_finite_are_refused_by_every_motion(any_motion):
             ask([0.0, np.inf])
 
 
-def test_dataset_states_units_and_gives_the_motion_back(any_motion):
+def test_dataset_states_units_and_gives_the_motion_back(any_motion, tmp_path):
+    """By way of a NetCDF file."""
+    import xarray as xr
+
     t = getattr(any_motion, "times", T)
-    ds = any_motion.to_xarray(t)
+    any_motion.to_xarray(t).to_netcdf(tmp_path / "motion.nc")
+    with xr.open_dataset(tmp_path / "motion.nc") as file:
+        ds = file.load()
     assert {name: ds[name].attrs["units"] for name in ds.variables} == {
         "time": "s", "a_x": "m s-2", "a_z": "m s-2", "pitch": "rad", "pitch_acceleration": "rad s-2",
     }  # fmt: skip
@@ -101,14 +107,26 @@ def test_dataset_states_units_and_gives_the_motion_back(any_motion):
         assert again == any_motion and repr(again) == repr(any_motion)
 
 
-def test_formula_comes_back_from_a_netcdf_file_as_the_same_object(tmp_path, motions):
-    import xarray as xr
+def test_every_kind_of_motion_is_tried_here(motions):
+    """All that the package exports, so that nothing escapes the tests above."""
+    kinds = {kind for kind in vars(ex).values() if isinstance(kind, type) and issubclass(kind, ex.Motion)}
+    abstract = {ex.Motion, ex.CentredPulse, ex.FinitePulse}
+    assert kinds - abstract == {type(motion) for motion in motions.values()}
+    assert set(ex.formulas().values()) == kinds - abstract - {ex.SampledMotion, ex.PiecewiseLinear}
 
-    for name, kind in ex.formulas().items():
-        motion = next(m for m in motions.values() if type(m) is kind)
-        motion.to_xarray(T).to_netcdf(tmp_path / f"{name}.nc")
-        with xr.open_dataset(tmp_path / f"{name}.nc") as ds:
-            assert ex.from_xarray(ds) == motion
+
+def test_a_dataset_of_a_formula_whose_samples_were_changed_is_refused(motions):
+    ds = motions["combined, pitching"].to_xarray(T)
+    for name in ("a_x", "a_z", "pitch", "pitch_acceleration"):
+        changed = ds.copy(deep=True)
+        changed[name].values[700] += 0.1
+        with pytest.raises(ValueError, match=f"{name}: is not that of Combined"):
+            ex.from_xarray(changed)
+
+
+def test_the_first_five_minutes_are_as_the_package_says(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert doctest.testmod(ex).failed == 0 and doctest.testmod(ex).attempted > 10
 
 
 def test_importing_the_package_loads_numpy_alone():

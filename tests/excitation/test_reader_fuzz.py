@@ -191,11 +191,22 @@ def test_a_file_larger_than_any_record_is_refused_unread(tmp_path):
         ("dyna", "L_S: 0.005000", "L_S: 1e9"),
         ("knet", "100Hz", "0.000001Hz"),
         ("columns", "0.01,", "1e300,"),
+        ("columns", "0.60,", "1.7e308,"),
+        ("knet", "100Hz", f"0.{'0' * 320}1Hz"),
+        ("knet", "(gal)/8223790", f"(gal)/0.{'0' * 320}1"),
+        ("smc", "  2.0000000E+02", " 2.0000000E-310"),
+        ("cosmos", "-999.00", "-999..0"),
+        ("cosmos", "Format=(8F10.5)", f"Format=({'9' * 5000}F10.5)"),
     ],
 )
-def test_a_time_step_of_no_record_is_refused(tmp_path, name, old, new):
+def test_a_number_that_no_header_holds_is_refused(tmp_path, name, old, new):
     assert old in FILES[name]
     assert outcome(tmp_path, FILES[name].replace(old, new, 1).encode()) is None
+
+
+def test_a_zero_with_any_exponent_is_zero(tmp_path):
+    (record,) = outcome(tmp_path, FILES["columns"].replace("0.00,", "0e400,", 1).encode())
+    assert record.time_step == pytest.approx(0.01)
 
 
 @pytest.mark.parametrize("name", [n for n in FILES if n != "knet"])
