@@ -2,18 +2,18 @@
 
 A dataset with `time` and `a_x`, and `a_z` and `pitch` where there are any, each with its `units`, is a motion by
 itself: a cubic spline, or straight lines if its attribute `interpolation` says `linear`.  One that was written from a
-formula, or from formulas combined, also says which, and then the same formula comes back.
+formula, or from several motions combined, also says which, and then the same object comes back (`excitation.recipes`).
 """
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from excitation.motion import Motion
+from excitation.recipes import made_again
 from excitation.sampled import PiecewiseLinear, SampledMotion
 from excitation.units import factor
 
@@ -63,25 +63,9 @@ def values_in(ds: xr.Dataset, name: str, quantity: str) -> NDArray[np.float64]:
     return factor(unit, quantity) * np.asarray(ds[name].values, dtype=np.float64)
 
 
-def _made(name: Any, arguments: Any, classes: dict[str, Any]) -> Motion:
-    """The motion that a class's name and its arguments describe, and those inside it."""
-    given = {
-        key: _made(value["motion_class"], value["motion_arguments"], classes) if isinstance(value, dict) else value
-        for key, value in arguments.items()
-    }
-    motion: Motion = classes[name](**given)
-    return motion
-
-
 def _from_recipe(ds: xr.Dataset, classes: dict[str, Any]) -> Motion:
-    name = ds.attrs["motion_class"]
-    if name not in classes:
-        raise ValueError(f"motion_class={name!r}: want one of {', '.join(sorted(classes))}")
-    try:
-        motion = _made(name, json.loads(ds.attrs["motion_arguments"]), classes)
-    except (KeyError, TypeError, AttributeError, json.JSONDecodeError):
-        found = ds.attrs.get("motion_arguments")
-        raise ValueError(f"motion_arguments={found!r}: want the arguments of {name} as JSON") from None
+    """The motion of the recipe, if the dataset's values are its."""
+    motion = made_again(ds, classes)
     times = values_in(ds, "time", "time")
     again = dict(zip(QUANTITIES, (*motion(times), *motion.pitch(times)), strict=True))
     for part, quantity in QUANTITIES.items():
@@ -108,7 +92,8 @@ def from_xarray(ds: xr.Dataset) -> Motion:
     if "motion_class" in ds.attrs:
         from excitation import formulas
 
-        return _from_recipe(ds, formulas())
+        sampled = {kind.__name__: kind for kind in (SampledMotion, PiecewiseLinear)}
+        return _from_recipe(ds, formulas() | sampled)
     times = values_in(ds, "time", "time")
     parts = {name: values_in(ds, name, QUANTITIES[name]) for name in ("a_z", "pitch") if name in ds}
     parts = {name: values for name, values in parts.items() if np.any(values)}

@@ -18,7 +18,6 @@ is positive clockwise like the rotation of a block.  A subclass states
 from __future__ import annotations
 
 import dataclasses
-import json
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
@@ -103,27 +102,22 @@ class Motion(ABC):
             "pitch": (pitch, "rad", "pitch of the base, clockwise positive"),
             "pitch_acceleration": (pitch_acceleration, "rad s-2", "second derivative of the pitch"),
         }
-        return xr.Dataset(
+        ds = xr.Dataset(
             {name: ("time", v, {"units": unit, "long_name": text}) for name, (v, unit, text) in columns.items()},
             coords={"time": ("time", times, {"units": "s", "long_name": "time"})},
-            attrs={"motion": repr(self)} | self._recipe(),
+            attrs={"motion": repr(self)},
         )
+        return self._with_recipe(ds)
 
-    def _recipe(self) -> dict[str, str]:
-        """Attributes from which `excitation.from_xarray` makes the same object; none if its samples say it all."""
-        made = self._description()
-        if made is None:
-            return {}
-        return made | {"motion_arguments": json.dumps(made["motion_arguments"], default=float)}
+    def _with_recipe(self, ds: xr.Dataset) -> xr.Dataset:
+        """The dataset with what `excitation.from_xarray` needs to make the same object."""
+        from excitation.recipes import with_recipe
 
-    def _description(self) -> dict[str, Any] | None:
-        """Class and arguments, those of motions inside too; None if samples are needed to say what it is."""
+        return with_recipe(ds, self)
+
+    @property
+    def arguments(self) -> dict[str, Any] | None:
+        """What makes the same motion, by name; None if arguments do not."""
         if not dataclasses.is_dataclass(self):
             return None
-        arguments = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
-        for name, value in arguments.items():
-            if isinstance(value, Motion):
-                arguments[name] = value._description()
-                if arguments[name] is None:
-                    return None
-        return {"motion_class": type(self).__name__, "motion_arguments": arguments}
+        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}

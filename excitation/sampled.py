@@ -119,9 +119,14 @@ class _Sampled(Motion):
         given = {"a_x": self.a_x, "a_z": self.a_z, "pitch": getattr(self, "pitch_angle", None)}
         return {name: values for name, values in given.items() if values is not None}
 
-    def _recipe(self) -> dict[str, str]:
+    def _with_recipe(self, ds: xr.Dataset) -> xr.Dataset:
         """What the samples do not say: how they are joined, and the name."""
-        return {"interpolation": self.interpolation} | ({"name": self.name} if self.name else {})
+        return ds.assign_attrs({"interpolation": self.interpolation} | ({"name": self.name} if self.name else {}))
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What makes the same motion, by name."""
+        return {"time_step": self.time_step, "start": self.start, "name": self.name} | self._samples
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, _Sampled) or type(self) is not type(other):
