@@ -2,16 +2,19 @@
 
 With F and N of each corner that touches (compression d of its foot, slip e since it touched, both with their rates),
 
-    N = max(k d + c d', 0),  F = -(k e + c e') where N > 0,  c = 2 xi sqrt(k m)
+    N = max(k d + c d', 0),  F = -(k e + c e') while d > 0,  c = 2 xi sqrt(k m)
     m x'' = sum F - m A_x,  m z'' = sum N - m A_z,  I_c theta'' = sum (r_z F - r_x N) - I_c psi''
 
 about the centre of mass (x, z), the base in the axes of the floor and psi'' its pitch acceleration.  The feet do not
 slip.  Where each foot touched is part of the state, so that tangential forces start from zero at each touch-down.
+A foot is held sideways as long as it is below the floor, also in the instants in which a dashpot would have to pull
+and N is zero: if F went with N, the two would switch each other on and off without end (from xi = 0.8 up).
 
 Source   Psycharis & Jennings (1983), Earthquake Eng. Struct. Dyn. 11, 57-76: two-spring foundation with uplift; the
          tangential springs are those of the distinct elements of Winkler, Meguro & Yamazaki (1995).
-Status   energy balance, the static sink, periods of small oscillation and the rigid limit (tests).  A block that stands
-         on both corners has mode REST, on one ROTATION, on none ROTATION_JUMP; it never stands wholly still.
+Status   energy balance, the static sink, periods of small oscillation, the rigid limit, and the history of the distinct
+         element with the same contacts (tests).  A block that stands on both corners has mode REST, on one ROTATION, on
+         none ROTATION_JUMP; it never stands wholly still.
 """
 
 from __future__ import annotations
@@ -25,8 +28,7 @@ from rocking.composed import ComposedMethod1
 from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, Anchor, Base, Discrete, in_floor_axes
 from rocking.validation import positive, within
 
-FALL, RIGHT, LEFT = range(3)
-X, Z, THETA, U, V, OMEGA, FOOT_RIGHT, FOOT_LEFT = range(8)
+FALL, RIGHT_LANDS, LEFT_LANDS, RIGHT_LIFTS, LEFT_LIFTS = range(5)
 
 
 class Parameters(NamedTuple):
@@ -66,7 +68,7 @@ def foot(xp: Any, y: Any, side: float, par: Parameters) -> Foot:
 def forces(xp: Any, at: Foot, touched: Any, touches: Any, par: Parameters) -> tuple[Any, Any]:
     """(F, N) over mass [m/s^2] of a foot that first touched the floor at x = touched."""
     N = xp.where(touches, xp.maximum(-par.k * at.height - par.c * at.v, 0.0), 0.0)
-    F = xp.where(N > 0.0, -par.k * (at.x - touched) - par.c * at.u, 0.0)
+    F = xp.where(touches, -par.k * (at.x - touched) - par.c * at.u, 0.0)
     return F, N
 
 
@@ -94,21 +96,27 @@ def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any
     return y[3], y[4], y[5], F_r + F_l - A_x, N_r + N_l - A_z, omega_dot, 0.0 * y[6], 0.0 * y[7]
 
 
-def guards(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any, Any, Any]:
-    """Fall, and for each foot the way to where it meets or leaves the floor."""
+def guards(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any, ...]:
+    """Fall; each foot lands (under the floor and sinking), each foot lifts (above it and rising)."""
     on_right, on_left = touching(q)
-    right, left = foot(xp, y, 1.0, par).height, foot(xp, y, -1.0, par).height
+    right, left = foot(xp, y, 1.0, par), foot(xp, y, -1.0, par)
     fall = 0.5 * math.pi - xp.abs(y[2])
-    return fall, xp.where(on_right, -right, right), xp.where(on_left, -left, left)
+    # The speed is asked for as well, since the height of a foot that has just met the floor is zero but for rounding.
+    land_right, land_left = xp.maximum(right.height, right.v), xp.maximum(left.height, left.v)
+    lift_right, lift_left = xp.maximum(-right.height, -right.v), xp.maximum(-left.height, -left.v)
+    return (
+        fall, xp.where(on_right, 1.0, land_right), xp.where(on_left, 1.0, land_left),
+        xp.where(on_right, lift_right, 1.0), xp.where(on_left, lift_left, 1.0),
+    )  # fmt: skip
 
 
 def jump(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters, k: Any) -> tuple[tuple[Any, ...], Discrete]:
     """A foot meets the floor, where its tangential spring starts anew, or leaves it."""
     on_right, on_left = touching(q)
-    at_right, at_left = k == RIGHT, k == LEFT
-    now_right, now_left = on_right ^ at_right, on_left ^ at_left
-    foot_right = xp.where(at_right & now_right, foot(xp, y, 1.0, par).x, y[6])
-    foot_left = xp.where(at_left & now_left, foot(xp, y, -1.0, par).x, y[7])
+    now_right = (on_right | (k == RIGHT_LANDS)) & (k != RIGHT_LIFTS)
+    now_left = (on_left | (k == LEFT_LANDS)) & (k != LEFT_LIFTS)
+    foot_right = xp.where(k == RIGHT_LANDS, foot(xp, y, 1.0, par).x, y[6])
+    foot_left = xp.where(k == LEFT_LANDS, foot(xp, y, -1.0, par).x, y[7])
     mode = xp.where(now_right & now_left, REST, xp.where(now_right | now_left, ROTATION, ROTATION_JUMP))
     s = xp.where(now_right & now_left, q.s, xp.where(now_right, 1.0, xp.where(now_left, -1.0, q.s)))
     return (y[0], y[1], y[2], y[3], y[4], y[5], foot_right, foot_left), Discrete(mode, s, q.slip)
@@ -130,7 +138,8 @@ class BlockOnTwoSprings:
         damping_ratio: xi = c / (2 sqrt(k m)) of a corner [1], 0 or more.
 
     Raises:
-        ValueError: a number is out of its range, or the block has rounded edges.
+        ValueError: a number is out of its range, the floor is so soft that the block cannot stand on it, or the block
+            has an effect that these equations do not have: rounded edges, adhesion, one on restitution.
     """
 
     rigid: ComposedMethod1
@@ -139,7 +148,8 @@ class BlockOnTwoSprings:
 
     name = "two_springs"
     state_names = ("x", "z", "theta", "u", "v", "omega", "foot_right", "foot_left")
-    guard_names = ("fall", "contact", "landing")
+    # "contact" is the right foot's, "landing" the left foot's.
+    guard_names = ("fall", "contact", "landing", "right_lifts", "left_lifts")
     carries_pitch = True
     inadmissible_reason = ""
     flow = staticmethod(flow)
@@ -150,8 +160,17 @@ class BlockOnTwoSprings:
     def __post_init__(self) -> None:
         positive("corner_stiffness", self.corner_stiffness, "N/m")
         within("damping_ratio", self.damping_ratio, 0.0, math.inf)
-        if self.rigid.form.edge_radius != 0.0:
-            raise ValueError("compliant_base: it does not go together with rounded_edges")
+        form = self.rigid.form
+        striking = [effect.name for effect in self.effects if "restitution" in effect.ways()]
+        foreign = ["rounded_edges"] * (form.edge_radius != 0.0) + ["base_adhesion"] * (form.adhesion != 0.0) + striking
+        if foreign:
+            raise ValueError(f"compliant_base: it does not go together with {foreign[0]}")
+        least = 0.5 * form.mass * self.g * form.mass_height / form.half_breadth**2
+        if self.corner_stiffness <= least:
+            raise ValueError(
+                f"corner_stiffness={self.corner_stiffness!r} N/m: want more than m g H / (2 a^2) = {least:.6g} N/m, "
+                "below which the block cannot stand"
+            )
 
     @property
     def block(self) -> Any:
@@ -184,31 +203,41 @@ class BlockOnTwoSprings:
         )  # fmt: skip
 
     def initial_state(self, theta: float = 0.0, omega: float = 0.0) -> tuple[tuple[float, ...], Discrete]:
-        """In static balance of heights: on both feet when upright and still, else on the one to which it leans.
+        """In static balance of heights: in balance altogether when upright and still, else let go from the lean.
 
-        A leaning block is let go from there: its foot is pressed in by the whole weight.
+        The feet carry the whole weight between them: both as long as the lean leaves the other one under the floor.
         """
         par = self.parameters
+        if theta == 0.0 and omega == 0.0:
+            return self._placed(par, self._standing(par), 0.0, 1.0)
         leans = theta if theta != 0.0 else omega
-        s = -1.0 if leans < 0.0 else 1.0
-        if leans == 0.0:
-            return self._standing(par), Discrete(REST, s, 1.0)
-        cos, sin = math.cos(theta), math.sin(theta)
-        along, up = s * par.a - par.o, -par.H
-        r_x, r_z = along * cos + up * sin, -along * sin + up * cos
-        x, z = s * par.a - r_x, -par.g / par.k - r_z
-        u, v = -omega * r_z, omega * r_x
-        return (x, z, theta, u, v, omega, s * par.a, -s * par.a), Discrete(ROTATION, s, 1.0)
+        return self._placed(par, theta, omega, -1.0 if leans < 0.0 else 1.0)
 
     @staticmethod
-    def _standing(par: Parameters) -> tuple[float, ...]:
-        """At rest on both feet, each pressed in by its share of the weight."""
-        right, left = (0.5 * par.g / par.k * (1.0 + s * par.o / par.a) for s in (1.0, -1.0))
-        theta = math.asin((right - left) / (2.0 * par.a))
+    def _standing(par: Parameters) -> float:
+        """Tilt [rad] in balance on both feet: sin(theta) = (g / 2 k a^2) (o + H tan(theta))."""
+        softness, theta = 0.5 * par.g / (par.k * par.a**2), 0.0
+        while True:
+            sine = softness * (par.o + par.H * math.tan(theta))
+            # No balance on both feet: the block is let go upright, and tips.
+            if not abs(sine) < 1.0:
+                return 0.0
+            if abs(math.asin(sine) - theta) <= 1e-14:
+                return theta
+            theta = math.asin(sine)
+
+    @staticmethod
+    def _placed(par: Parameters, theta: float, omega: float, s: float) -> tuple[tuple[float, ...], Discrete]:
+        """The state at that tilt, turning about the foot of the side s."""
         cos, sin = math.cos(theta), math.sin(theta)
-        z = -0.5 * (right + left) + par.H * cos - par.o * sin
-        x = par.o * cos + par.H * sin
-        return (x, z, theta, 0.0, 0.0, 0.0, par.a * cos, -par.a * cos)
+        weight, step = par.g / par.k, 2.0 * par.a * s * sin
+        both = step < weight
+        depth = 0.5 * (weight + step) if both else weight
+        along, up = s * par.a - par.o, -par.H
+        r_x, r_z = along * cos + up * sin, -along * sin + up * cos
+        x, z = s * par.a * cos - r_x, -depth - r_z
+        feet = (par.a * cos, -par.a * cos)
+        return (x, z, theta, -omega * r_z, omega * r_x, omega, *feet), Discrete(REST if both else ROTATION, s, 1.0)
 
     def anchor(self, y: Any, rate: Any, s: Any) -> Anchor:
         """The centre of mass."""
