@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import numbers
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -54,11 +55,15 @@ class Effect:
     restitution: ClassVar[Callable[..., Any] | None] = None
 
     def __post_init__(self) -> None:
-        for name, value in self.parameters().items():
-            low, high = self.ranges.get(name, (-math.inf, math.inf))
-            if not low <= value <= high:
+        for field in dataclasses.fields(self):  # type: ignore[arg-type]
+            value, (low, high) = getattr(self, field.name), self.ranges.get(field.name, (-math.inf, math.inf))
+            # What is not there may be said by None or by infinity; nothing else is but a finite number.
+            if value == field.default:
+                continue
+            number = isinstance(value, numbers.Real) and math.isfinite(value)
+            if not (number and low <= value <= high):
                 want = "a number" if (low, high) == (-math.inf, math.inf) else f"{low:g} to {high:g}"
-                raise ValueError(f"{self.name}.{name}={value!r} {self.units.get(name, '1')}: want {want}")
+                raise ValueError(f"{self.name}.{field.name}={value!r} {self.units.get(field.name, '1')}: want {want}")
 
     @classmethod
     def parameter_names(cls) -> tuple[str, ...]:

@@ -69,6 +69,10 @@ def load(name: str) -> type[Effect]:
         effect: Any = points[name].load()
     except Exception as error:
         raise ImportError(f"effect {name!r} ({points[name].value}) does not load: {error}") from error
+    if not (isinstance(effect, type) and issubclass(effect, Effect) and effect.name == name):
+        raise ImportError(
+            f"effect {name!r} ({points[name].value}): want a subclass of rocking.effect.Effect of that name"
+        )
     return effect
 
 
@@ -118,7 +122,9 @@ def compose(system: System, effects: Sequence[Effect]) -> System:
     if not acting:
         return system
     if not isinstance(system, Method1):
-        raise ValueError(f"{acting[0].name}: {system.name} does not carry it, want a Method1")
+        raise ValueError(f"{acting[0].name}: {type(system).__name__} does not carry it, want a Method1")
+    if system.form != "nonlinear":
+        raise ValueError(f"{acting[0].name}: the linear Method 1 does not carry it, want form='nonlinear'")
     leading = [e for e in acting if e.ways() & {"modes"}]
     if leading:
         if len(acting) > 1:
@@ -132,8 +138,6 @@ def _composed(method: Any, effects: Sequence[Effect]) -> System:
     from rocking.composed import ComposedMethod1
     from rocking.form import Form
 
-    if method.form != "nonlinear":
-        raise ValueError(f"{effects[0].name}: the linear Method 1 does not carry it, want form='nonlinear'")
     form = Form.of(method.block)
     for effect in effects:
         form = effect.form(form, method.block)
