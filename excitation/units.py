@@ -32,9 +32,14 @@ FACTORS: dict[str, dict[str, float]] = {
     "angular acceleration": {"rad/s2": 1.0, "deg/s2": math.pi / 180.0},
 }
 
+LONGEST = 60
+"""Characters; a longer text is no unit."""
+
 
 def plain(unit: str) -> str:
     """One spelling for a unit: `cm/sec/sec`, `CM/SEC**2`, `cm s-2`, `cm.s^-2` are all cm/s2."""
+    if len(unit) > LONGEST:
+        return unit
     text = unit.strip().lower().replace("seconds", "s").replace("sec", "s").replace("gals", "gal")
     text = re.sub(r"\s*(/)\s*", r"\1", text).rstrip(". ")
     text = text.replace("**", "").replace("^", "").replace("²", "2")

@@ -21,7 +21,7 @@ def start_time(text: TextFile, first: int, last: int) -> str:
     Raises RecordFileError if a line states a time that there is not.
     """
     for i in range(first, min(last, len(text.lines))):
-        found = re.search(_TIME, text.lines[i], re.IGNORECASE)
+        found = re.search(_TIME, text.head(i), re.IGNORECASE)
         if found:
             try:
                 return _time(*found.groups()).isoformat()

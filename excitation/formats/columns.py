@@ -27,14 +27,23 @@ from excitation.units import factor, quantity_of
 NAME = "columns"
 TITLE = "text columns with units, .csv and .txt"
 SEPARATORS = (";", ",", "\t", None)
-_HEADING = re.compile(r"^\s*\"?\s*(?P<name>[^\[\](]*?)\s*(?:[\[(]\s*(?P<unit>[^\])]+?)\s*[\])])?\s*\"?\s*$")
+_FIELD = re.compile(r"[^\s\[(]*+[^\S\r\n]{0,9}[\[(][^\])]{0,99}[\])]|\S++")
+LONGEST_HEADING = 20000
 
 
-def split(line: str, separator: str | None) -> list[str]:
-    """Fields of a line; brackets keep blanks together where blanks separate."""
-    if separator is None:
-        return re.findall(r"[^\s\[(]*\s*[\[(][^\])]*[\])]|\S+", line)
-    return line.split(separator)
+def split(heading: str, separator: str | None) -> list[str]:
+    """Fields of a heading; brackets keep blanks together where blanks separate."""
+    return _FIELD.findall(heading) if separator is None else heading.split(separator)
+
+
+def name_and_unit(field: str) -> tuple[str, str]:
+    """`a_x [m/s^2]` or `"a_x (m/s^2)"` as name and unit; the unit empty if none stands in brackets."""
+    plain = field.strip().strip('"').strip()
+    for opening, closing in ("[]", "()"):
+        if plain.endswith(closing) and opening in plain:
+            name, _, unit = plain[:-1].rpartition(opening)
+            return name.strip(), unit.strip()
+    return plain, ""
 
 
 def _separator(line: str) -> str | None:
@@ -42,7 +51,7 @@ def _separator(line: str) -> str | None:
 
 
 def _is_numbers(line: str) -> bool:
-    return all(to_float(v) is not None for v in split(line, _separator(line)))
+    return all(to_float(v) is not None for v in line.split(_separator(line)))
 
 
 def _first_line(text: TextFile) -> int:
@@ -58,7 +67,7 @@ def recognises(text: TextFile) -> bool:
     lines = [x for x in text.lines[:200] if x.strip() and not x.lstrip().startswith(("#", "%", "!"))][:2]
     if len(lines) < 2 or not _is_numbers(lines[1]):
         return False
-    return len(split(lines[1], _separator(lines[1]))) >= 2
+    return len(lines[1].split(_separator(lines[1]))) >= 2
 
 
 def _table(text: TextFile, first: int, separator: str | None, width: int) -> NDArray[np.float64]:
@@ -89,12 +98,12 @@ def _headings(text: TextFile, index: int, separator: str | None, units: str | No
 ]:  # fmt: skip
     """(name, unit) of each column."""
     numbers = _is_numbers(text.lines[index])
-    fields = split(text.lines[index], separator)
+    if not numbers and len(text.lines[index]) > LONGEST_HEADING:
+        text.fail(index, f"a heading of at most {LONGEST_HEADING} characters")
+    fields = text.lines[index].split(separator) if numbers else split(text.lines[index], separator)
     headings: list[tuple[str, str]] = []
     for k, text_of in enumerate(fields):
-        found = None if numbers else _HEADING.match(text_of)
-        name = found["name"].strip() if found else ("time" if k == 0 else "")
-        stated = (found["unit"] or "") if found else ""
+        name, stated = ("", "") if numbers else name_and_unit(text_of)
         unit = stated or (time_units if k == 0 else units) or ""
         quantity = "time" if k == 0 else "acceleration"
         if not unit:

@@ -16,7 +16,7 @@ import numpy as np
 
 from excitation.formats.clock import start_time
 from excitation.formats.directions import Direction, direction_of
-from excitation.formats.text import TextFile, decimals, fortran_width
+from excitation.formats.text import HEADER_WIDTH, TextFile, decimals, fortran_width
 from excitation.record import Record
 from excitation.units import factor, quantity_of
 
@@ -31,7 +31,7 @@ _DATA_WANTED = "(count) acceleration pts, approx (length) secs, units=(unit),For
 
 def recognises(text: TextFile) -> bool:
     """Whether the first line says (Format v..)."""
-    return re.search(r"\(format v", text.lines[0], re.IGNORECASE) is not None
+    return re.search(r"\(format v", text.head(0), re.IGNORECASE) is not None
 
 
 def _block(text: TextFile, index: int, what: str) -> tuple[Any, int]:
@@ -72,8 +72,8 @@ def _step(text: TextFile, reals: Any, at: int, index: int, count: int, unknown: 
 
 def _unknown(text: TextFile, first: int, last: int) -> float:
     """The number that stands for unknown real values."""
-    for i, line in enumerate(text.lines[first:last], start=first):
-        found = re.search(r"unknown/unspecified:\s*(-?\d+)[,\s]+(-?[\d.]+)", line)
+    for i in range(first, last):
+        found = re.search(r"unknown/unspecified:\s*(-?\d+)[,\s]+(-?[\d.]+)", text.head(i))
         if found:
             return text.number(i, found.group(2), "the number that stands for unknown real values")
     return -999.0
@@ -82,7 +82,7 @@ def _unknown(text: TextFile, first: int, last: int) -> float:
 def _check_peak(text: TextFile, first: int, last: int, unit: str, largest: float) -> None:
     """The text header's Max against the samples [SI]."""
     for i in range(first, last):
-        found = re.search(r"^Processed.*Max\s*=\s*(-?[\d.]+)\s+(\S+)", text.lines[i], re.IGNORECASE)
+        found = re.search(r"^Processed.*Max\s*=\s*(-?[\d.]+)\s+(\S+)", text.head(i), re.IGNORECASE)
         if found and quantity_of(found.group(2)) == "acceleration":
             scale = factor(found.group(2), "acceleration")
             stated = text.number(i, found.group(1), "the largest acceleration as a number")
@@ -96,7 +96,8 @@ def _direction(integers: Any, comments: list[str]) -> Direction:
         return Direction("UP", None, True, UP[code])
     if 1 <= code <= 360:
         return Direction(str(code), float(code % 360), False, 1.0)
-    scnl = re.search(r"SCNL>?:?\s*\w+\.(\w+)\.", " ".join(comments))
+    found = (re.search(r"SCNL>?:?\s*\w+\.(\w+)\.", comment[:HEADER_WIDTH]) for comment in comments)
+    scnl = next((match for match in found if match), None)
     if scnl:
         return direction_of(scnl.group(1)[-1])._replace(component=scnl.group(1))
     return Direction("", None, False, 1.0)
@@ -129,8 +130,9 @@ def _channel(text: TextFile, first: int) -> tuple[Record | None, int]:
     _check_peak(text, first, text_end, unit, float(np.max(np.abs(values))))
     direction = _direction(integers, comments)
     titles = [line.strip() for line in text.lines[first:text_end]]
-    station = re.search(r"Code:\s*(\S+)", " ".join(titles))
-    event = re.search(r"(?:Record|Rcrd) of (.*?)\s*$", titles[1] if len(titles) > 1 else "")
+    codes = (re.search(r"Code:\s*(\S+)", text.head(i)) for i in range(first, text_end))
+    station = next((match for match in codes if match), None)
+    event = re.search(r"(?:Record|Rcrd) of (.*)", titles[1][:HEADER_WIDTH] if len(titles) > 1 else "")
     return Record(
         step, direction.sign * values, component=direction.component, azimuth_deg=direction.azimuth_deg,
         vertical=direction.vertical,

@@ -39,8 +39,8 @@ _DATA = (
     r"\.?,?\s*(?:\(UNITS:\s*|IN\s+)(?P<unit>[^)(,.\s]+)\)?\.?\s*(?P<format>\([^)]*\))?"
 )
 _V1_DATA = (
-    r"^\s*(?P<n>\S+)\s+ACCELEROGRAM POINTS AT\s+(?P<rate>\S+)\s+PTS/SEC\s+IN UNITS OF\s+(?P<unit>[^.(]+?)\s*\."
-    r"?\s*(?:FORMAT:)?\s*(?P<format>\([^)]*\))"
+    r"^\s*(?P<n>\S+)\s+ACCELEROGRAM POINTS AT\s+(?P<rate>\S+)\s+PTS/SEC\s+IN UNITS OF\s+(?P<unit>\S+)"
+    r"[\s.]*(?:FORMAT:)?\s*(?P<format>\([^)]*\))"
 )
 _V1_WANTED = "(count) Accelerogram points at (rate) pts/sec in units of (unit). Format: (format)"
 _WANTED = "(count) POINTS OF ACCEL DATA EQUALLY SPACED AT (step) SEC. (UNITS: CM/SEC/SEC)"
@@ -49,7 +49,7 @@ _KINDS = {"ACCEL": "acceleration", "VELOC": "velocity", "DISPL": "displacement"}
 
 def recognises(text: TextFile) -> bool:
     """Whether the first line is that of a volume 1 or 2."""
-    return re.match(r"^\s*(UN)?CORRECTED ACCELEROGRAM", text.lines[0], re.IGNORECASE) is not None
+    return re.match(r"^\s*(UN)?CORRECTED ACCELEROGRAM", text.head(0), re.IGNORECASE) is not None
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class _Channel:
     def find(self, pattern: str) -> tuple[int, re.Match[str]] | None:
         """(line index, match) of the first text line that fits."""
         for i in range(self.first, self.first + self.text_lines):
-            found = re.search(pattern, self.text.lines[i], re.IGNORECASE)
+            found = re.search(pattern, self.text.head(i), re.IGNORECASE)
             if found:
                 return i, found
         return None
@@ -127,7 +127,7 @@ def _record(
     direction = _direction(channel)
     text, first = channel.text, channel.first
     station = channel.find(r"STATION (?:NO|ID)\.?\s*(\w+)")
-    event = channel.find(r"(.*EARTHQUAKE.*)") or channel.find(r"(?:RECORD|RCRD) OF (.*?)(?:\s{2,}|$)")
+    event = channel.find(r"^(.*EARTHQUAKE.*)") or channel.find(r"(?:RECORD|RCRD) OF (.*?)(?:\s{2,}|$)")
     titles = [line.strip() for line in text.lines[first : first + channel.text_lines] if line.strip()]
     return Record(
         step, direction.sign * factor(unit, "acceleration") * values, component=direction.component,
@@ -150,7 +150,7 @@ def _volume2(channel: _Channel) -> tuple[Record, int]:
     if abs(channel.reals[V2_STEP] - step) > 0.001:
         text.fail(stated_at, f"{step:g} as real {V2_STEP + 1}, the step of line {channel.data + 1}")
     for kind in ("VELOC", "DISPL"):
-        if at < len(text.lines) and re.search(_DATA, text.lines[at], re.IGNORECASE):
+        if at < len(text.lines) and re.search(_DATA, text.head(at), re.IGNORECASE):
             _, _, _, at = _series(text, at, kind)
     _check_peak(channel, r"PEAK ACCELERATION\s*=\s*(\S+)\s+(\S+)", values, unit)
     return _record(channel, values, step, unit), at
@@ -173,7 +173,7 @@ _V1_PEAK = r"UNCOR.*MAX\s*=\s*(\S+)\s+(\S+)"
 def _even_volume1(channel: _Channel) -> tuple[Record, int]:
     """(record, index of the line after the channel) of a volume 1 with samples under a line of facts."""
     text, at = channel.text, channel.data
-    if re.search(_DATA, text.lines[at], re.IGNORECASE):
+    if re.search(_DATA, text.head(at), re.IGNORECASE):
         values, step, unit, after = _series(text, at, "ACCEL")
         return _record(channel, values, step, unit), after
     found = text.match(at, _V1_DATA, _V1_WANTED)
@@ -193,7 +193,7 @@ def _even_volume1(channel: _Channel) -> tuple[Record, int]:
 def _volume1(channel: _Channel) -> tuple[Record, int]:
     """(record, index of the line after the channel)."""
     text, at = channel.text, channel.data
-    if re.search("[A-Z]{3}", text.lines[at], re.IGNORECASE):
+    if re.search("[A-Z]{3}", text.head(at), re.IGNORECASE):
         return _even_volume1(channel)
     count_line = channel.first + V1_TEXT + V1_COUNT // 16
     count = round(channel.integers[V1_COUNT])

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from excitation.formats.directions import Direction, direction_of, name_of
-from excitation.formats.text import TextFile, decimals, one_line
+from excitation.formats.text import HEADER_WIDTH, TextFile, decimals, one_line
 from excitation.record import Record
 from excitation.units import factor, quantity_of
 
@@ -37,7 +37,7 @@ class _Header:
         self.values: dict[str, tuple[int, str]] = {}
         self.size = 0
         for i, line in enumerate(text.lines):
-            found = _KEY.match(line)
+            found = _KEY.match(line[:HEADER_WIDTH])
             if found is None:
                 break
             self.values[found.group(1)] = (i, found.group(2).strip())

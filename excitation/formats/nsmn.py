@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from excitation.formats.directions import direction_of
-from excitation.formats.text import TextFile, decimals
+from excitation.formats.text import HEADER_WIDTH, TextFile, decimals
 from excitation.record import Record
 from excitation.units import factor, quantity_of
 
@@ -28,7 +28,7 @@ _START_FORMS = ("%d/%m/%Y %H:%M:%S.%f", "%Y/%m/%d %H:%M:%S.%f", "%d/%m/%Y %H:%M:
 
 def recognises(text: TextFile) -> bool:
     """Whether the first line is that of the archive."""
-    return re.match(r"^\s*STRONG GROUND MOTION RECORDS OF TURK", text.lines[0]) is not None
+    return re.match(r"^\s*STRONG GROUND MOTION RECORDS OF TURK", text.head(0)) is not None
 
 
 class _Header(NamedTuple):
@@ -44,7 +44,7 @@ def _header(text: TextFile) -> _Header:
     for i, line in enumerate(text.lines[:LONGEST_HEADER]):
         if sorted(line.split()) == ["E-W", "N-S", "U-D"]:
             return _Header(values, line.split(), i + 1)
-        found = _KEY.match(line)
+        found = _KEY.match(line[:HEADER_WIDTH])
         if found:
             values[found.group(1)] = (i, found.group(2))
     text.fail(min(len(text.lines), LONGEST_HEADER) - 1, "a line with the columns' names N-S, E-W and U-D by here")

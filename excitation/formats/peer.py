@@ -11,7 +11,7 @@ import re
 from pathlib import Path
 
 from excitation.formats.directions import direction_of, name_of
-from excitation.formats.text import TextFile, one_line
+from excitation.formats.text import HEADER_WIDTH, TextFile, one_line
 from excitation.record import Record
 from excitation.units import STANDARD_GRAVITY, factor, quantity_of
 
@@ -25,7 +25,7 @@ _SIZES = (
 
 def recognises(text: TextFile) -> bool:
     """Whether the third line names a quantity in units and the fourth NPTS."""
-    head = [line.upper() for line in text.lines[:4]]
+    head = [line[:HEADER_WIDTH].upper() for line in text.lines[:4]]
     return len(head) > 2 and re.search(r"TIME (SERIES|HISTORY).*UNITS? OF", head[2]) is not None
 
 
@@ -36,7 +36,7 @@ def parse(text: TextFile) -> list[Record]:
     if quantity.upper() != "ACCELERATION" or quantity_of(unit) != "acceleration":
         text.fail(2, wanted)
     wanted = "NPTS= (samples), DT= (time step) SEC"
-    line = text.line(3, wanted)
+    line = text.line(3, wanted)[:HEADER_WIDTH]
     found = next((m for m in (re.search(p, line, re.IGNORECASE) for p in _SIZES) if m), None)
     if found is None:
         text.fail(3, wanted)

@@ -33,7 +33,7 @@ _TYPE = re.compile(
 
 def recognises(text: TextFile) -> bool:
     """Whether the first line is a type such as `2 CORRECTED ACCELEROGRAM`."""
-    return _TYPE.match(text.lines[0]) is not None
+    return _TYPE.match(text.head(0)) is not None
 
 
 def _width(text: TextFile, index: int) -> int:
@@ -64,7 +64,7 @@ def _direction(integers: Any) -> Direction:
 
 def parse(text: TextFile) -> list[Record]:
     """The one record of the file."""
-    if not re.match(r"^\s*[12]\s+(UN)?CORRECTED ACCELEROGRAM", text.lines[0], re.IGNORECASE):
+    if not re.match(r"^\s*[12]\s+(UN)?CORRECTED ACCELEROGRAM", text.head(0), re.IGNORECASE):
         text.fail(0, "1 UNCORRECTED ACCELEROGRAM or 2 CORRECTED ACCELEROGRAM")
     integers, reals = _headers(text)
     first = TEXT_LINES + INTEGER_LINES + REAL_LINES
@@ -86,7 +86,7 @@ def parse(text: TextFile) -> list[Record]:
             at = TEXT_LINES + INTEGER_LINES + k // 5
             text.check_peak(at, float(reals[k]), float(extreme), 10.0 ** (8 - width) * abs(float(extreme)) + 1e-6)
     direction = _direction(integers)
-    station = re.search(r"station\s*=\s*(.*?)\s*(component|$)", text.lines[5], re.IGNORECASE)
+    station = re.search(r"station\s*=\s*(.*?)\s*(component|$)", text.head(5), re.IGNORECASE)
     comment_text = " ".join(line[1:].strip() for line in text.lines[first:data]).strip()
     return [
         Record(

@@ -19,6 +19,10 @@ MAX_BYTES = 256 * 1024 * 1024
 _NOT_A_NUMBER = re.compile(r"[^0-9eEdD+\-.\s]")
 _FORTRAN = re.compile(r"\(?\s*(?:1P,?)?\s*(\d{0,6})\s*[IFEDG]\s*(\d{1,6})(?:\.\d+)?[A-Z]?\d*\s*\)?", re.IGNORECASE)
 
+HEADER_WIDTH = 400
+"""Characters of a line that patterns are looked for in: five times what headers have, and few enough that a pattern
+that has to go back takes no time (one on a line of a million digits can take an hour)."""
+
 LARGEST_NUMBER = 1e60
 """Above all that a file may mean (1.7e38 stands for what is not known), and far from where products overflow."""
 
@@ -38,6 +42,10 @@ class TextFile:
             raise RecordFileError(f"{self.name}: ends after line {len(self.lines)}, want {wanted}")
         raise RecordFileError(f"{self.name}, line {index + 1}: found {quoted(self.lines[index])}, want {wanted}")
 
+    def head(self, index: int) -> str:
+        """The first HEADER_WIDTH characters of a line that is there, to look for patterns in."""
+        return self.lines[index][:HEADER_WIDTH]
+
     def line(self, index: int, wanted: str) -> str:
         """The line at an index, or the error that the file ends before it."""
         if index >= len(self.lines):
@@ -45,8 +53,8 @@ class TextFile:
         return self.lines[index]
 
     def match(self, index: int, pattern: str, wanted: str) -> re.Match[str]:
-        """What a pattern finds in a line, or the error that it does not; case does not matter."""
-        found = re.search(pattern, self.line(index, wanted), re.IGNORECASE)
+        """What a pattern finds at the head of a line, or the error that it does not; case does not matter."""
+        found = re.search(pattern, self.line(index, wanted)[:HEADER_WIDTH], re.IGNORECASE)
         if found is None:
             self.fail(index, wanted)
         return found

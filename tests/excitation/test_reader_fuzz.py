@@ -231,6 +231,19 @@ def test_padding_of_old_systems_is_no_damage(tmp_path, name):
     assert outcome(tmp_path, middle) is None
 
 
+@pytest.mark.parametrize("name", FILES)
+def test_long_lines_take_no_time(tmp_path, name):
+    """200,000 characters where a header line stood, or behind one: a pattern that goes back over them takes minutes
+    for each of these files.  Found by the fuzz, with fifty thousand digits."""
+    lines = FILES[name].split("\n")
+    fillings = ("9", " ", "(", "a ", "EARTHQUAKE ", "time series units of", '" [', "1:")
+    for k, filling in enumerate(fillings):
+        monster = (filling * 200_000)[:200_000]
+        for i in range(k % 4, min(len(lines), 50), 4):
+            outcome(tmp_path, "\n".join([*lines[:i], monster, *lines[i + 1 :]]).encode())
+            outcome(tmp_path, "\n".join([*lines[:i], lines[i] + monster, *lines[i + 1 :]]).encode())
+
+
 def test_what_does_not_show_is_cut_short_in_messages(tmp_path):
     """A long unit of characters that are shown as escapes: found by a coverage-guided fuzz."""
     assert outcome(tmp_path, b"time [s],a [" + b"\x9a" * 120 + b"g]\n0.00,0.0\n0.03,0.0\n") is None
