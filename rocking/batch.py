@@ -2,7 +2,8 @@
 
     from rocking import Block, Method1, solve_batch
 
-A run of a batch is the run that `solve` would give, bit for bit with the numba solver; only the summary is kept.
+A run of a batch is the run that `solve` would give, bit for bit with the solvers numba and taylor and to rounding with
+exact; only the summary is kept.
 """
 
 from __future__ import annotations
@@ -124,12 +125,14 @@ def solve_batch(
         motions: what the base does, one for each run, of one kind; a single one serves all; at rest if not given.
         t_end, t_start: times [s].
         theta, omega: rotation [rad] and angular velocity [rad/s] at the start, numbers or shape (run,).
-        solver: one that has a batch of its own (numba).
+        solver: one that has a batch of its own: numba (anything that compiles), taylor and exact (Method 1, the
+            latter linear, over ramped sinusoids and records that are straight between samples; some hundred times
+            faster).  Diffrax has its own, on the device that JAX has: `rocking.solvers.diffrax_response.batch`.
         rtol, atol, max_events: as of `solve`.
 
     Raises:
         ValueError: an argument is out of range, the numbers of systems and motions do not fit, they are not of one
-            kind, or the solver has no batch.
+            kind, or the solver has no batch or declines one of them.
     """
     many = _count(systems, motions, np.asarray(theta), np.asarray(omega))
     if isinstance(systems, Sequence) and not systems:
@@ -145,12 +148,26 @@ def solve_batch(
         raise ValueError(f"theta={np.max(np.abs(tilts))!r} rad: want between -pi/2 and pi/2")
     carrier: Any = load(solver)
     if not hasattr(carrier, "solve_batch"):
-        raise ValueError(f"solver={solver!r}: it has no batch; want 'numba'")
+        elsewhere = " (its own is rocking.solvers.diffrax_response.batch)" if solver == "diffrax" else ""
+        raise ValueError(f"solver={solver!r}: it has no batch; want 'numba', 'taylor' or 'exact'{elsewhere}")
+    _no_refusal(carrier, solver, all_systems, all_motions)
     starts = [s.initial_state(float(a), float(w)) for s, a, w in zip(all_systems, tilts, speeds, strict=True)]
     table = carrier.solve_batch(
         all_systems, all_motions, starts, (float(t_start), float(t_end)), rtol=rtol, atol=atol, max_events=max_events
     )
     return _result(table, t_start)
+
+
+def _no_refusal(carrier: Any, solver: str, systems: Sequence[System], motions: Sequence[BaseMotion]) -> None:
+    """ValueError with the sentence of the solver that declines a run; each pair of kinds is asked about once."""
+    asked = set()
+    for system, motion in zip(systems, motions, strict=True):
+        pair = (type(system), getattr(system, "form", None), id(system.flow), id(motion))
+        if pair not in asked:
+            asked.add(pair)
+            refusal = carrier.declines(system, motion)
+            if refusal is not None:
+                raise ValueError(f"solver={solver!r} declines: {refusal}")
 
 
 def _result(table: dict[str, NDArray[Any]], t_start: float) -> BatchResult:

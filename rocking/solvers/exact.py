@@ -16,56 +16,22 @@ Status   tolerances have nothing to act on here; the error is that of rounding, 
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rocking.hybrid import REST, ROTATION, Discrete, System
-from rocking.method1 import Method1
-from rocking.motion import BaseMotion, Still
+from rocking.motion import BaseMotion
+from rocking.solvers.exact_motion import piecewise_linear, ramped_sine, refusal
 from rocking.solvers.recording import trajectory
+from rocking.solvers.taylor_batch import parameter_row
 from rocking.trajectory import Events, Trajectory
 
 Array = NDArray[np.float64]
 
 FIRST_ROOM = 1024
 """Events for which a run has room at first; one with more is run again."""
-
-
-def ramped_sine(motion: Any) -> Array | None:
-    """(omega, phase, rate, duration) of a motion that is a ramped sine, else None.
-
-    Raises:
-        ValueError: the motion gives numbers that are not finite, or a duration that is not positive.
-    """
-    wave = getattr(motion, "ramped_sine", None)
-    if wave is None:
-        return None
-    omega, phase, rate, duration = (float(number) for number in wave)
-    if not (np.all(np.isfinite([omega, phase, rate, duration])) and duration > 0.0):
-        raise ValueError(f"ramped_sine={tuple(wave)!r}: want finite numbers and a positive duration")
-    return np.array([omega, phase, rate, duration])
-
-
-def piecewise_linear(motion: Any) -> tuple[Array, Array] | None:
-    """((t_first, dt), values) of a motion that is straight between equally spaced samples, else None.
-
-    Raises:
-        ValueError: the motion gives numbers that are not finite, an interval that is not positive, or no sample.
-    """
-    if isinstance(motion, Still):
-        return np.array([math.inf, 1.0]), np.zeros(1)
-    record = getattr(motion, "piecewise_linear", None)
-    if record is None:
-        return None
-    t_first, dt, values = float(record[0]), float(record[1]), np.ascontiguousarray(record[2], dtype=np.float64)
-    if not (math.isfinite(t_first) and math.isfinite(dt) and dt > 0.0):
-        raise ValueError(f"piecewise_linear: t_first={t_first!r} s, dt={dt!r} s: want finite and dt positive")
-    if values.ndim != 1 or values.size == 0 or not np.all(np.isfinite(values)):
-        raise ValueError("piecewise_linear: want finite values of shape (sample,), one sample or more")
-    return np.array([t_first, dt]), values
 
 
 class Exact:
@@ -75,16 +41,13 @@ class Exact:
 
     def declines(self, system: System, motion: BaseMotion) -> str | None:
         """A sentence for anything but the linear Method 1 over a base with a closed form; None for that."""
-        if not isinstance(system, Method1):
-            return f"it carries the linear Method 1 alone, not {system.name!r}"
-        if system.form != "linear":
-            return "it carries the linear Method 1; the nonlinear form has no closed form"
-        if ramped_sine(motion) is None and piecewise_linear(motion) is None:
-            return (
-                f"{type(motion).__name__} has no closed form that it knows: neither a ramped sine nor straight between "
-                "equally spaced samples (attributes ramped_sine, piecewise_linear)"
-            )
-        return None
+        return refusal(system, motion, ("linear",))
+
+    def solve_batch(self, systems: Any, motions: Any, states: Any, t_span: tuple[float, float], **options: Any) -> Any:
+        """Summaries of many runs, by the linear kernel of `rocking.solvers.taylor_batch`."""
+        from rocking.solvers.taylor_batch import run_batch
+
+        return run_batch(systems, motions, states, t_span, options["max_events"])
 
     def solve(
         self,
@@ -132,7 +95,7 @@ def _run(system: System, motion: BaseMotion, start: Array, save_at: Array, max_e
 
     wave = ramped_sine(motion)
     record = None if wave is not None else piecewise_linear(motion)
-    par = np.array([float(number) for number in system.parameters])
+    par = np.array(parameter_row(system))
     room = FIRST_ROOM
     while True:
         if record is not None:

@@ -6,24 +6,31 @@
 (2,)
 
 Source   as of `rocking.solvers.exact`.
-Status   the same compiled functions as a single run; threads take blocks of runs in turn, each run is one thread's, so
-         the numbers do not depend on how many there are.
+Status   the linear kernel of `rocking.solvers.taylor_lanes`, several runs in the lanes of a vector: the bits of
+         `solve(..., solver="taylor")` whatever the number of threads; `solver="exact"` agrees to rounding.
 """
 
 from __future__ import annotations
 
 import math
-import os
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rocking.block import G_STANDARD
-
-SHARE = 1024
-"""Runs that a thread takes at a time."""
+from rocking.solvers.taylor_batch import (
+    COUNT,
+    ENDED,
+    FINISHED,
+    LARGEST,
+    OVERTURNED,
+    OVERTURNING,
+    SIDE,
+    carry_portions,
+    record_arguments,
+    start_rows,
+)
 
 
 class RampedSines(NamedTuple):
@@ -68,11 +75,11 @@ def _checked(name: str, value: ArrayLike, unit: str, low: float, high: float, *,
     return array
 
 
-def _block_columns(p: Any, alpha: Any, g: Any, onset: Any, e: Any, rest_speed: Any) -> list[Any]:
+def block_columns(p: Any, alpha: Any, g: Any, onset: Any, e: Any, rest_speed: Any) -> list[Any]:
     """(p^2, alpha, g, onset, e, omega_rest), checked."""
     p = _checked("p", p, "rad/s", 0.0, math.inf, low_in=False)
     alpha = _checked("alpha", alpha, "rad", 0.0, 0.5 * math.pi, low_in=False)
-    onset = np.tan(alpha) if onset is None else _checked("onset", onset, "1", 0.0, math.inf)
+    onset = _checked("onset", onset, "1", 0.0, math.inf)
     if np.any(onset < alpha):
         raise ValueError(
             "onset: want alpha or more in every run (a block that starts to rock below falls back at once)"
@@ -82,7 +89,7 @@ def _block_columns(p: Any, alpha: Any, g: Any, onset: Any, e: Any, rest_speed: A
     return [p * p, alpha, _checked("g", g, "m/s^2", 0.0, math.inf, low_in=False), onset, e, rest * p]
 
 
-def _start_columns(theta: Any, omega: Any, t_start: Any, t_end: Any) -> list[Any]:
+def start_columns(theta: Any, omega: Any, t_start: Any, t_end: Any) -> list[Any]:
     """(theta, omega, t_start, t_end), checked."""
     theta = _checked("theta", theta, "rad", -0.5 * math.pi, 0.5 * math.pi)
     if np.any(np.abs(theta) >= 0.5 * math.pi):
@@ -94,7 +101,7 @@ def _start_columns(theta: Any, omega: Any, t_start: Any, t_end: Any) -> list[Any
     return [theta, _checked("omega", omega, "rad/s", -math.inf, math.inf), t_start, t_end]
 
 
-def _motion_columns(motion: RampedSines | ScaledRecord) -> list[Any]:
+def motion_columns(motion: RampedSines | ScaledRecord) -> list[Any]:
     """What of the motion differs between runs, checked."""
     if isinstance(motion, RampedSines):
         return [
@@ -148,9 +155,7 @@ def exact_batch(
 ) -> ExactBatchResult:
     """Carry many blocks, each to its fall or to t_end, by the linear Method 1 in closed form between impacts.
 
-    All arrays broadcast against each other and against those of the motion; each element is one run.  A run gives the
-    same bits as `solve(..., solver="exact")`, but for a record with scale other than a power of 2 or a time scale other
-    than 1: here the factor acts after the differences of samples are taken, there before, and the last bit may differ.
+    All arrays broadcast against each other and against those of the motion; each element is one run.
 
     Args:
         motion: RampedSines or ScaledRecord.
@@ -172,40 +177,37 @@ def exact_batch(
     Raises:
         ValueError: an argument is out of the range above or not finite, or the shapes do not broadcast.
     """
-    from rocking.solvers.exact_entry import entry
+    groups = [
+        block_columns(p, alpha, g, np.tan(np.asarray(alpha, np.float64)) if onset is None else onset, e, rest_speed),
+        start_columns(theta, omega, t_start, t_end),
+        motion_columns(motion),
+    ]
+    return carry_arrays("linear", motion, groups, max_events, workers)
 
+
+def carry_arrays(
+    form: str, motion: RampedSines | ScaledRecord, groups: list[list[Any]], max_events: int, workers: int | None
+) -> ExactBatchResult:
+    """The runs whose checked columns (blocks, starts, motions) are given."""
     if max_events < 1:
         raise ValueError(f"max_events={max_events!r}: want 1 or more")
     if workers is not None and workers < 1:
         raise ValueError(f"workers={workers!r}: want 1 or more")
-    groups = [
-        _block_columns(p, alpha, g, onset, e, rest_speed),
-        _start_columns(theta, omega, t_start, t_end),
-        _motion_columns(motion),
-    ]
     shape = np.broadcast_shapes(*(column.shape for group in groups for column in group))
-    count = math.prod(shape)
-    rows = np.empty((count, 7))
-    fixed = _record(motion) if isinstance(motion, ScaledRecord) else ()
-    kernel = entry("batch_record" if fixed else "batch_sine")
 
-    def carry(first: int) -> None:
-        stop = min(first + SHARE, count)
-        kernel(*(_part(group, shape, first, stop) for group in groups), *fixed, max_events, rows[first:stop])
+    def part(first: int, stop: int) -> list[NDArray[np.float64]]:
+        pars, starts, motions = (_part(group, shape, first, stop) for group in groups)
+        return [pars, start_rows(*starts.T), motions]
 
-    threads = workers or os.cpu_count()
-    with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(carry, range(0, count, SHARE)))
-    return _result(rows, shape)
+    record = record_arguments(*_record(motion)) if isinstance(motion, ScaledRecord) else None
+    return _result(carry_portions(form, record, part, math.prod(shape), max_events, workers), shape)
 
 
 def _result(rows: NDArray[np.float64], shape: tuple[int, ...]) -> ExactBatchResult:
-    from rocking.solvers.exact_entry import COUNT, ENDED, FINISHED, LARGEST, OVERTURNED, PASSED, SIDE
-
     def column(k: int) -> Any:
         return rows[:, k].reshape(shape)
 
     return ExactBatchResult(
-        column(OVERTURNED) > 0.0, column(SIDE).astype(np.int64), column(PASSED).copy(), column(LARGEST).copy(),
+        column(OVERTURNED) > 0.0, column(SIDE).astype(np.int64), column(OVERTURNING).copy(), column(LARGEST).copy(),
         column(COUNT).astype(np.int64), column(ENDED).copy(), column(FINISHED) > 0.0,
     )  # fmt: skip

@@ -7,8 +7,9 @@ import sys
 import numpy as np
 import pytest
 
-from excitation import RampedSinusoid
+from excitation import OneSinePulse, PiecewiseLinear, RampedSinusoid
 from rocking import Block, Method1, Method2, solve, solve_batch
+from rocking.motion import Still
 
 MOTIONS = [RampedSinusoid(f, 6.0, a) for f in (0.8, 2.0, 4.0) for a in (2.0, 8.0, 25.0)]
 SYSTEMS = {
@@ -33,6 +34,37 @@ def test_every_run_of_a_batch_is_the_single_run_bit_for_bit(kind):
     assert len(set(batch.outcome.tolist())) >= 2  # some fall and some do not, or the test says little
     for i, (system, motion) in enumerate(zip(systems, MOTIONS, strict=True)):
         same(solve(system, motion, t_end=6.0, save_at=()), batch, i)
+
+
+# The taylor solver carries a batch in the lanes of vectors and counts the end of a chatter instead of following it.
+@pytest.mark.parametrize("form", ["linear", "nonlinear"])
+def test_every_run_of_a_batch_by_taylor_is_the_single_run_bit_for_bit(form):
+    systems = [Method1(Block(0.1 + 0.02 * i, 0.5), form=form) for i in range(len(MOTIONS))]
+    batch = solve_batch(systems, MOTIONS, t_end=6.0, solver="taylor")
+    assert len(set(batch.outcome.tolist())) >= 2
+    for i, (system, motion) in enumerate(zip(systems, MOTIONS, strict=True)):
+        same(solve(system, motion, t_end=6.0, save_at=(), solver="taylor"), batch, i)
+
+
+def test_records_sinusoids_and_rest_go_in_one_batch():
+    time = np.arange(0.0, 5.0, 0.01)
+    records = [PiecewiseLinear(0.01, a * np.sin(9.0 * time) * np.sin(0.7 * time)) for a in (3.0, 9.0)]
+    motions = [records[0], MOTIONS[4], records[1], Still(), records[0], MOTIONS[5]]
+    tilts = [0.0, 0.0, 0.0, 0.05, -0.1, 0.02]
+    batch = solve_batch(BLOCK, motions, t_end=6.0, theta=tilts, solver="taylor")
+    for i, (motion, theta) in enumerate(zip(motions, tilts, strict=True)):
+        same(solve(BLOCK, motion, theta=theta, t_end=6.0, save_at=(), solver="taylor"), batch, i)
+
+
+# Rounding, multiplied by the impacts: the few of these runs leave 1e-9 of it.
+def test_every_run_of_a_batch_by_exact_is_the_single_run_to_rounding():
+    systems = [SYSTEMS["linear"](0.1 + 0.02 * i, 0.5) for i in range(len(MOTIONS))]
+    batch = solve_batch(systems, MOTIONS, t_end=3.0, solver="exact")
+    for i, (system, motion) in enumerate(zip(systems, MOTIONS, strict=True)):
+        single = solve(system, motion, t_end=3.0, save_at=(), solver="exact")
+        assert (batch.side[i], batch.impacts[i]) == (single.side, len(single.impact_times))
+        for name in ("peak_rotation", "overturning_time", "onset_time", "t_end"):
+            assert getattr(batch, name)[i] == pytest.approx(getattr(single, name), abs=1e-9, nan_ok=True), name
 
 
 def test_free_runs_start_from_the_tilts_given():
@@ -81,7 +113,28 @@ BLOCK = Method1(Block(0.2, 0.8))
         (lambda: solve_batch(BLOCK, t_end=1.0, theta=[0.1, math.nan]), "theta: want finite numbers"),
         (lambda: solve_batch(BLOCK, t_end=1.0, theta=[0.1, 2.0]), r"theta=.*2\.0.* rad: want between"),
         (lambda: solve_batch(BLOCK, MOTIONS, t_end=1.0, theta=[0.1, 0.2]), r"theta: shape \(2,\), want"),
-        (lambda: solve_batch(BLOCK, t_end=1.0, solver="scipy"), "solver='scipy': it has no batch; want 'numba'"),
+        (
+            lambda: solve_batch(BLOCK, t_end=1.0, solver="scipy"),
+            "solver='scipy': it has no batch; want 'numba', 'taylor' or 'exact'",
+        ),
+        (
+            lambda: solve_batch(BLOCK, t_end=1.0, solver="diffrax"),
+            r"it has no batch; .* \(its own is rocking.solvers.diffrax_response.batch\)",
+        ),
+        (
+            lambda: solve_batch(BLOCK, t_end=1.0, solver="exact"),
+            "solver='exact' declines: it carries the linear Method 1",
+        ),
+        (
+            lambda: solve_batch(BLOCK, [MOTIONS[0], OneSinePulse(1.0, 1.0)], t_end=1.0, solver="taylor"),
+            "solver='taylor' declines: OneSinePulse has no closed form",
+        ),
+        (
+            lambda: solve_batch(
+                [BLOCK, Method1(Block(0.2, 0.8), form="linear")], MOTIONS[:2], t_end=1.0, solver="taylor"
+            ),
+            "systems: want them of one method and form",
+        ),
         (
             lambda: solve_batch([BLOCK, Method1(Block(0.2, 0.8), form="linear")], MOTIONS[:2], t_end=1.0),
             "systems: want them of one method and form",

@@ -1,4 +1,4 @@
-"""Many runs of the exact solver at a time: the same numbers as one by one, whatever the number of threads."""
+"""Many linear runs at a time: the bits of solver="taylor", whatever the number of threads, and the closed forms."""
 
 import math
 from types import SimpleNamespace
@@ -41,7 +41,7 @@ def test_a_batch_of_sinusoids_gives_the_bits_of_single_runs() -> None:
     for i, w in enumerate(omega):
         for j, r in enumerate(rate):
             motion: Any = SimpleNamespace(ramped_sine=(w, 0.3, r, 10.0))
-            assert_is_the_single_run(batch, (i, j), solve(SYSTEM, motion, t_end=12.0, solver="exact"))
+            assert_is_the_single_run(batch, (i, j), solve(SYSTEM, motion, t_end=12.0, solver="taylor"))
 
 
 @pytest.mark.parametrize("scale", [0.5, 1.0, 2.0])
@@ -57,7 +57,7 @@ def test_a_batch_over_a_record_gives_the_bits_of_single_runs(scale: float) -> No
     )  # fmt: skip
     for i, system in enumerate(systems):
         motion: Any = SimpleNamespace(piecewise_linear=(0.25, 0.01, scale * values))
-        assert_is_the_single_run(batch, i, solve(system, motion, t_end=21.0, solver="exact"))
+        assert_is_the_single_run(batch, i, solve(system, motion, t_end=21.0, solver="taylor"))
 
 
 def test_other_factors_of_scale_and_time_change_a_run_by_rounding_alone() -> None:

@@ -1,0 +1,142 @@
+"""The compiled entries of the Taylor solver: linear and nonlinear block, record and sinusoid, many runs and one.
+
+Each is compiled once for arrays of plain numbers and kept on disk (`rocking.solvers.numba_compile`).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numba
+import numpy as np
+from numba import types
+
+from rocking.hybrid import REST, ROTATION
+from rocking.solvers import taylor_table as row
+from rocking.solvers.exact_entry import new_log
+from rocking.solvers.numba_compile import compiled
+from rocking.solvers.taylor_lanes import carry
+from rocking.solvers.taylor_log import write_end, write_step, write_wait
+from rocking.solvers.taylor_roots import empty_scratch
+from rocking.solvers.taylor_turns import answer, be_idle, begin, sum_up
+from rocking.solvers.taylor_vector import LANES
+
+SHARE = 3
+"""Of the lanes at work a share of one in so many waits near the floor before impacts are looked for."""
+
+
+@numba.njit(error_model="numpy")
+def next_run(t, lane, runs, run, form, wave):
+    """Put the next run that takes longer than its begin into a lane; the number of the one after it."""
+    while run < runs.pars.shape[0]:
+        goes_on = begin(t, lane, runs, run, form, wave, None)
+        run += 1
+        if goes_on:
+            return run
+        sum_up(t, lane, runs)
+    be_idle(t, lane)
+    return run
+
+
+@numba.njit(error_model="numpy")
+def carry_all(runs, form, wave):
+    """All runs, LANES at a time."""
+    t, scratch = np.zeros((row.ALL_ROWS, LANES)), empty_scratch()
+    run, busy = 0, 0
+    for lane in range(LANES):
+        run = next_run(t, lane, runs, run, form, wave)
+        busy += t[row.RUN, lane] >= 0.0
+    while busy > 0:
+        carry(t, runs.values, form, wave, scratch, runs.max_events, 1 + busy // SHARE, None)
+        for lane in range(LANES):
+            if t[row.CALL, lane] > 0.0 and not answer(t, lane, runs, wave):
+                sum_up(t, lane, runs)
+                run = next_run(t, lane, runs, run, form, wave)
+                busy -= t[row.RUN, lane] < 0.0
+
+
+@numba.njit(error_model="numpy")
+def carry_one(runs, form, wave, log):
+    """One run, in the first lane, written down; (status, last mode, end, events, samples)."""
+    t, scratch = np.zeros((row.ALL_ROWS, LANES)), empty_scratch()
+    for lane in range(1, LANES):
+        be_idle(t, lane)
+    rests, s = runs.starts[0, 0] == REST, runs.starts[0, 1]
+    goes_on = begin(t, 0, runs, 0, form, wave, log)
+    if rests:
+        write_wait(t, log, s, goes_on)
+    while goes_on:
+        carry(t, runs.values, form, wave, scratch, runs.max_events, 1, log)
+        write_step(t, log)
+        if t[row.CALL, 0] > 0.0:
+            rests, s = t[row.CALL, 0] == row.RESTS, t[row.S, 0]
+            goes_on = answer(t, 0, runs, wave)
+            if rests:
+                write_wait(t, log, s, t[row.MODE, 0] == ROTATION)
+    write_end(t, log)
+    sum_up(t, 0, runs)
+    return t[row.STATUS, 0], t[row.MODE, 0], t[row.T_END, 0], t[row.WRITTEN, 0], t[row.SAVED, 0]
+
+
+def linear_record(pars, starts, motions, values, peaks, head, max_events, rows):
+    """Linear blocks over a record; head = (t_first, dt)."""
+    carry_all(row.Runs(pars, starts, motions, values, peaks, head[0], head[1], max_events, rows), None, None)
+
+
+def nonlinear_record(pars, starts, motions, values, peaks, head, max_events, rows):
+    """Nonlinear blocks over a record."""
+    carry_all(row.Runs(pars, starts, motions, values, peaks, head[0], head[1], max_events, rows), 1, None)
+
+
+def linear_wave(pars, starts, motions, max_events, rows):
+    """Linear blocks over ramped sinusoids."""
+    carry_all(row.Runs(pars, starts, motions, None, None, 0.0, 1.0, max_events, rows), None, 1)
+
+
+def nonlinear_wave(pars, starts, motions, max_events, rows):
+    """Nonlinear blocks over ramped sinusoids."""
+    carry_all(row.Runs(pars, starts, motions, None, None, 0.0, 1.0, max_events, rows), 1, 1)
+
+
+def one_linear_record(pars, starts, motions, values, peaks, head, max_events, rows, save_at, room):
+    """One linear block over a record, written down."""
+    log = new_log(save_at, room)
+    runs = row.Runs(pars, starts, motions, values, peaks, head[0], head[1], max_events, rows)
+    return carry_one(runs, None, None, log), log
+
+
+def one_nonlinear_record(pars, starts, motions, values, peaks, head, max_events, rows, save_at, room):
+    """One nonlinear block over a record, written down."""
+    log = new_log(save_at, room)
+    runs = row.Runs(pars, starts, motions, values, peaks, head[0], head[1], max_events, rows)
+    return carry_one(runs, 1, None, log), log
+
+
+def one_linear_wave(pars, starts, motions, max_events, rows, save_at, room):
+    """One linear block over a ramped sinusoid, written down."""
+    log = new_log(save_at, room)
+    return carry_one(row.Runs(pars, starts, motions, None, None, 0.0, 1.0, max_events, rows), None, 1, log), log
+
+
+def one_nonlinear_wave(pars, starts, motions, max_events, rows, save_at, room):
+    """One nonlinear block over a ramped sinusoid, written down."""
+    log = new_log(save_at, room)
+    return carry_one(row.Runs(pars, starts, motions, None, None, 0.0, 1.0, max_events, rows), 1, 1, log), log
+
+
+BODIES = (
+    linear_record, nonlinear_record, linear_wave, nonlinear_wave,
+    one_linear_record, one_nonlinear_record, one_linear_wave, one_nonlinear_wave,
+)  # fmt: skip
+
+
+@cache
+def entry(name: str) -> Any:
+    """One of the entries, compiled."""
+    body = {function.__name__: function for function in BODIES}[name]
+    i8, line, table = types.int64, types.float64[::1], types.float64[:, ::1]
+    record = (table, table, table, line, line, line, i8, table)
+    wave = (table, table, table, i8, table)
+    signature = (record if "record" in name else wave) + ((line, i8) if name.startswith("one") else ())
+    return compiled(body, signature, f"taylor_{name}")
