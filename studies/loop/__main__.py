@@ -1,0 +1,85 @@
+"""Close the loop on a measured campaign, or predict a campaign with a saved model.
+
+python -m studies.loop CAMPAIGN.toml --out DIR
+python -m studies.loop predict DIR/model.toml CAMPAIGN.toml --out DIR2
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from studies.campaigns import CampaignError, read
+from studies.loop.closing import GRAVITY, close
+from studies.loop.finding_file import as_json, write_finding
+from studies.loop.model_file import ModelError, read_model, write_model
+from studies.loop.prediction import write_predictions
+
+
+class _Progress:
+    """One line on the terminal that says what is being done and since when."""
+
+    def __init__(self, quiet: bool) -> None:
+        self.start, self.quiet = time.monotonic(), quiet
+
+    def __call__(self, text: str) -> None:
+        if not self.quiet:
+            line = f"{time.monotonic() - self.start:6.1f} s  {text}"
+            end = "\r" if sys.stderr.isatty() else "\n"
+            print(line.ljust(78) if sys.stderr.isatty() else line, end=end, file=sys.stderr, flush=True)
+
+
+def _close(arguments: argparse.Namespace) -> None:
+    campaign = read(arguments.campaign)
+    folder: Path = arguments.out
+    folder.mkdir(parents=True, exist_ok=True)
+    tell = _Progress(arguments.quiet)
+    finding = close(campaign, g=arguments.gravity, tell=tell)
+    write_model(finding.before, folder / "baseline.toml", campaign.title)
+    write_model(finding.after, folder / "model.toml", campaign.title)
+    content = as_json(finding, "")
+    write_finding(content, folder / "loop.json")
+    print(f"{content['verdict']}: {', '.join(content['effects']) or 'no effect'}; held-out error "
+          f"{finding.errors['before'].holdout:.3g} -> {finding.errors['after'].holdout:.3g} rad")  # fmt: skip
+
+
+def _predict(arguments: argparse.Namespace) -> None:
+    model = read_model(arguments.model)
+    campaign = read(arguments.campaign)
+    summary = write_predictions(model, campaign, arguments.out, _Progress(arguments.quiet))
+    fell = sum(row["overturned"] for row in summary.values())
+    print(f"{len(summary)} tests predicted, {fell} overturn; written to {arguments.out}")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; 0 if it did, 2 where something is wrong with what it was given."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    predicting = given[:1] == ["predict"]
+    parser = argparse.ArgumentParser(
+        prog="python -m studies.loop" + (" predict" if predicting else ""),
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
+    )  # fmt: skip
+    if predicting:
+        parser.add_argument("model", type=Path, help="model.toml that the loop wrote")
+    parser.add_argument("campaign", type=Path, metavar="CAMPAIGN.toml", help="the campaign, or its folder")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for what is written")
+    parser.add_argument("--quiet", action="store_true", help="say nothing of the progress")
+    if not predicting:
+        parser.add_argument("--gravity", type=float, default=GRAVITY, metavar="G", help="m/s^2, %(default)s by default")
+    parsed = parser.parse_args(given[1:] if predicting else given)
+    try:
+        (_predict if predicting else _close)(parsed)
+    except (CampaignError, ModelError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return 130
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

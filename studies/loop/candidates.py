@@ -1,0 +1,152 @@
+"""What the loop tries: effects with the parameters to fit, where to start and how far they may go.
+
+An effect may be tried in several forms (a pitch with the acceleration or with the displacement; a tether on either
+side).  Starts are sizes at which an effect is plainly visible in a usual campaign, on either side of nothing.
+
+Status   sizes are in terms of the block, so that they serve a tombstone and a matchbox alike.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from rocking import G_STANDARD
+from rocking.effects import load
+from studies.campaigns import DeclaredBlock
+from studies.loop.fitting import Parameter
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A form of an effect: parameters to fit, values to start from, and parameters that stay as they are."""
+
+    name: str  # of this form: the effect's, with what is special about it in brackets
+    effect: str
+    parameters: tuple[Parameter, ...]
+    starts: tuple[Mapping[str, float], ...]
+    fixed: Mapping[str, float]
+    smooth: bool = True  # whether it has a derivative at its absent value: a score says something
+    in_swings: bool = True  # whether swings show it; else whole records alone do
+    extra: bool = False  # a form that is tried only where nothing simpler explains the data
+
+    def absent(self, block: DeclaredBlock) -> dict[str, float]:
+        """Full names and values of the parameters at which it is not there."""
+        values = load(self.effect).absent(_block(block))
+        return {f"{self.effect}.{name}": value for name, value in values.items()} | dict(self.fixed)
+
+
+def _block(declared: DeclaredBlock):  # type: ignore[no-untyped-def]
+    from rocking import Block
+
+    return Block(declared.breadth, declared.height, declared.depth, declared.density)
+
+
+def _one(
+    effect: str, name: str, scale: float, starts: Sequence[float], low: float, high: float, *, log: bool = False,
+    label: str = "", fixed: Mapping[str, float] | None = None, smooth: bool = True, in_swings: bool = True,
+    extra: bool = False,
+) -> Candidate:  # fmt: skip
+    full = f"{effect}.{name}"
+    held = {f"{effect}.{key}": value for key, value in (fixed or {}).items()}
+    return Candidate(
+        label or effect, effect, (Parameter(full, scale, low, high, log),), tuple({full: v} for v in starts), held,
+        smooth, in_swings, extra,
+    )  # fmt: skip
+
+
+def candidates(block: DeclaredBlock) -> tuple[Candidate, ...]:
+    """All forms of all effects that the loop knows how to fit, for this block."""
+    return (*_of_the_block(block), *_of_the_contact(block), *_of_the_base(), *_of_the_sensors())
+
+
+def _of_the_block(block: DeclaredBlock) -> tuple[Candidate, ...]:
+    b, H, I = block.breadth, block.centre_height, block.I_c  # noqa: E741
+    return (
+        _one("rounded_edges", "radius", 0.01 * b, [0.01 * b, 0.03 * b], 0.0, 0.3 * b),
+        _one("concave_base", "breadth", 0.02 * b, [0.98 * b, 0.94 * b], 0.5 * b, b),
+        _one("eccentric_mass", "offset", 0.005 * b, [0.01 * b, -0.01 * b], -0.3 * b, 0.3 * b),
+        Candidate(
+            "mass_distribution", "mass_distribution",
+            (
+                Parameter("mass_distribution.height", 0.02 * H, 0.4 * H, 1.8 * H),
+                Parameter("mass_distribution.inertia", 0.02 * I, 0.3 * I, 3.0 * I),
+            ),
+            ({"mass_distribution.height": 1.02 * H, "mass_distribution.inertia": 1.02 * I},
+             {"mass_distribution.height": 0.98 * H, "mass_distribution.inertia": 0.98 * I}), {},
+        ),
+    )  # fmt: skip
+
+
+def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
+    weight = block.mass * G_STANDARD
+    moment = 0.5 * weight * block.breadth
+    # A corner pressed in by a thousandth and by a ten-thousandth of the breadth under the weight.
+    soft = [weight / (0.002 * block.breadth), weight / (0.0002 * block.breadth)]
+    spring = weight * block.R
+    tethers = tuple(
+        Candidate(
+            f"tether[{label}]", "tether",
+            (
+                Parameter("tether.slack", 0.02 * block.alpha, 0.0, 2.0 * block.alpha),
+                Parameter("tether.stiffness", 0.3, 1e-3 * spring, 1e3 * spring, True),
+            ),
+            tuple({"tether.slack": share * block.alpha, "tether.stiffness": spring} for share in (0.1, 0.3, 0.5, 0.7)),
+            {"tether.side": side}, smooth=False,
+        )
+        for label, side in (("both", 0.0), ("right", 1.0), ("left", -1.0))
+    )  # fmt: skip
+    return (
+        _one("velocity_dependent_restitution", "slope", 0.01, [0.02, -0.02], -0.5, 0.5),
+        _one("viscous_damping", "coefficient", 0.05, [0.1], 0.0, 20.0),
+        _one("quadratic_drag", "coefficient", 0.05, [0.1], 0.0, 20.0),
+        Candidate(
+            "compliant_base", "compliant_base",
+            (
+                Parameter("compliant_base.corner_stiffness", 0.3, 1e-3 * soft[0], 1e4 * soft[1], True),
+                Parameter("compliant_base.damping_ratio", 0.3, 1e-3, 5.0, True),
+            ),
+            tuple({"compliant_base.corner_stiffness": k, "compliant_base.damping_ratio": 0.15} for k in soft), {},
+            smooth=False,
+        ),
+        *tethers,
+        Candidate(
+            "sliding", "sliding", (Parameter("sliding.friction", 0.02, 0.02, 1.3),),
+            tuple({"sliding.friction": mu} for mu in (0.25, 0.4, 0.6)), {}, smooth=False,
+        ),
+        Candidate(
+            "bouncing", "bouncing", (Parameter("bouncing.normal_restitution", 0.05, 0.0, 0.95),),
+            tuple({"bouncing.normal_restitution": e} for e in (0.2, 0.5)), {"bouncing.friction": math.inf},
+            smooth=False,
+        ),
+        _one(
+            "base_adhesion", "moment", 0.02 * moment, [0.024 * k * moment for k in range(1, 26)], 0.0,
+            2.0 * moment, smooth=False, in_swings=False,
+        ),
+    )  # fmt: skip
+
+
+def _of_the_base() -> tuple[Candidate, ...]:
+    second = tuple(
+        Parameter(f"vertical_motion.second_harmonic_{kind}", 0.05, -3.0, 3.0) for kind in ("ratio", "quadrature")
+    )
+    return (
+        _one("base_tilt", "angle", 0.002, [0.004, -0.004], -0.1, 0.1),
+        _one("table_pitch", "per_acceleration", 5e-5, [1e-4, -1e-4], -0.02, 0.02, label="table_pitch[acceleration]"),
+        _one("table_pitch", "per_displacement", 0.01, [0.02, -0.02], -3.0, 3.0, label="table_pitch[displacement]"),
+        _one("vertical_motion", "ratio", 0.02, [0.1, -0.1], -3.0, 3.0, label="vertical_motion[ratio]"),
+        Candidate(
+            "vertical_motion[second_harmonic]", "vertical_motion", second,
+            ({p.name: 0.05 for p in second}, {p.name: -0.05 for p in second}), {},
+        ),
+        _one("base_motion_gain", "gain", 0.01, [1.02, 0.98], 0.3, 3.0),
+        _one("base_motion_lag", "lag", 0.001, [0.004, -0.004], -0.2, 0.2),
+    )  # fmt: skip
+
+
+def _of_the_sensors() -> tuple[Candidate, ...]:
+    return (
+        _one("rotation_gain", "gain", 0.01, [1.02, 0.98], 0.3, 3.0),
+        _one("rotation_offset", "offset", 5e-4, [1e-3, -1e-3], -0.2, 0.2),
+    )

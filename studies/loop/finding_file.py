@@ -1,0 +1,78 @@
+"""`loop.json`: the finding in numbers, for whoever scripts the loop."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+from rocking.effects import load
+from studies.loop.closing import Finding
+
+
+def as_json(finding: Finding, next_test: str) -> dict[str, Any]:
+    """The finding as plain values; NaN becomes null."""
+    parameters = {}
+    for name, (value, low, high) in finding.intervals.items():
+        effect, _, parameter = name.partition(".")
+        if parameter:
+            units = load(effect).units.get(parameter, "1")
+            parameters[name] = {"value": value, "low": low, "high": high, "units": units, "level": 0.95}
+    errors = {name: {"fit": e.fit, "holdout": e.holdout} for name, e in finding.errors.items()}
+    content = {
+        "verdict": finding.verdict,
+        "effects": list(finding.chosen.effects),
+        "parameters": parameters,
+        "indistinguishable": [list(names) for names in finding.indistinguishable],
+        "error": {
+            "metric": "rms rotation, median over tests",
+            "units": "rad",
+            "noise_floor": finding.noise_floor,
+            **errors,
+        },
+        "candidates": _candidates(finding),
+        "restitution": finding.after.restitution,
+        "held_out": [finding.setup.campaign.tests[i].id for i in finding.setup.held],
+        "notes": list(finding.notes),
+        "next_test": next_test,
+    }
+    plain: dict[str, Any] = _plain(content)
+    return plain
+
+
+def _candidates(finding: Finding) -> list[dict[str, Any]]:
+    """What was tried in the round that decided: held-out error where it was computed, fall of chi-square."""
+    held = {r.trial.names[-1]: r.holdout for r in finding.rivals}
+    deciding = finding.rounds[max(0, len(finding.chosen.parts) - 1)]
+    rows = [
+        {
+            "effect": t.parts[-1].effect,
+            "form": t.names[-1],
+            "holdout_error": held.get(t.names[-1]),
+            "evidence": deciding.onto.swing.chi2 - t.swing.chi2,
+        }
+        for t in deciding.trials
+    ]
+    rows += [
+        {"effect": name.partition("[")[0], "form": name, "holdout_error": None, "evidence": None, "not_refitted": why}
+        for name, why in deciding.skipped.items()
+    ]
+    return sorted(rows, key=lambda row: -(row["evidence"] if row["evidence"] is not None else -math.inf))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(v) for key, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(v) for v in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def write_finding(content: dict[str, Any], path: Path) -> None:
+    """Write loop.json, whole or not at all."""
+    part = path.with_name(path.name + ".part")
+    part.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+    part.replace(path)

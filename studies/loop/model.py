@@ -1,0 +1,89 @@
+"""A model of the tested block: the declared block, its restitution and the effects that it has.
+
+Status   what `baseline.toml` and `model.toml` hold; any solver that serves the effects can run it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+from rocking import G_STANDARD, Block, Method1
+from rocking.effect import Effect
+from rocking.effects import base_with, compose, load, rotation_reading
+from rocking.hybrid import System
+from rocking.motion import BaseMotion
+from studies.campaigns import DeclaredBlock
+
+RESTITUTION = "restitution"
+
+
+@dataclass(frozen=True)
+class LoopModel:
+    """The block as declared, a restitution, and effects by name with their parameters.
+
+    Args:
+        declared: the block of the campaign.
+        restitution: e of eq. (4) [1].
+        effects: parameters by name, by effect; a frozen view is kept.
+        g: gravity [m/s^2].
+    """
+
+    declared: DeclaredBlock
+    restitution: float
+    effects: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    g: float = G_STANDARD
+
+    @cached_property
+    def block(self) -> Block:
+        """The rectangle of the declared size and mass."""
+        d = self.declared
+        return Block(d.breadth, d.height, d.depth, d.density)
+
+    @cached_property
+    def parts(self) -> tuple[Effect, ...]:
+        """The effects as objects; what the declaration says of the mass is one of them."""
+        given = {name: dict(parameters) for name, parameters in self.effects.items()}
+        declared = {"height": self.declared.centre_of_mass_height, "inertia": self.declared.inertia}
+        known = {name: value for name, value in declared.items() if value is not None}
+        if known:
+            given["mass_distribution"] = known | given.get("mass_distribution", {})
+        return tuple(load(name)(**parameters) for name, parameters in given.items())
+
+    @cached_property
+    def system(self) -> System:
+        """The block with the effects on it.
+
+        Raises:
+            ValueError: the effects do not go together, or a parameter is out of its range.
+        """
+        return compose(Method1(self.block, restitution=self.restitution, g=self.g), self.parts)
+
+    def base(self, motion: BaseMotion, span: tuple[float, float]) -> BaseMotion:
+        """What the base really did when this was recorded of it."""
+        return base_with(motion, self.parts, span, self.g)
+
+    def reading(self, theta: Any) -> Any:
+        """What the rotation sensor says [rad]."""
+        return rotation_reading(theta, self.parts)
+
+    def get(self, name: str) -> float:
+        """A parameter by its full name, "restitution" or "effect.parameter"."""
+        if name == RESTITUTION:
+            return self.restitution
+        effect, _, parameter = name.partition(".")
+        return float(self.effects[effect][parameter])
+
+    def changed(self, values: Mapping[str, float]) -> LoopModel:
+        """The model with some parameters, by full name, at other values; effects that it lacks are added."""
+        effects = {name: dict(parameters) for name, parameters in self.effects.items()}
+        restitution = self.restitution
+        for name, value in values.items():
+            if name == RESTITUTION:
+                restitution = float(value)
+                continue
+            effect, _, parameter = name.partition(".")
+            effects.setdefault(effect, {})[parameter] = float(value)
+        return replace(self, restitution=restitution, effects=effects)

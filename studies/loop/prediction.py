@@ -1,0 +1,67 @@
+"""Predictions of a saved model: every test of a campaign from its base motion and its initial rotation alone."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studies.campaigns import Campaign, Test
+from studies.loop.instruments import accelerations
+from studies.loop.model import LoopModel
+from studies.loop.simulation import Answer, Job, Simulator
+
+Array = NDArray[np.float64]
+
+
+def predict(model: LoopModel, campaign: Campaign) -> list[Answer]:
+    """The answer of the model to each test, in the order of the campaign; a free test starts from its declared lean."""
+    simulator = Simulator(campaign.tests)
+    jobs = [
+        Job(0, k, np.ascontiguousarray(test.time), float(test.time[0]), float(test.initial_rotation or 0.0))
+        for k, test in enumerate(campaign.tests)
+    ]
+    return simulator.run([model], jobs)
+
+
+def write_predictions(
+    model: LoopModel, campaign: Campaign, folder: Path, tell: Callable[[str], None] = lambda text: None
+) -> dict[str, Any]:
+    """Predict every test and write a CSV for each and `predict.json`; what predict.json holds is returned.
+
+    A CSV holds `time` [s], `rotation` [rad] and each declared channel on the block [m/s^2]; empty fields after a fall.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    summary = {}
+    answers = predict(model, campaign)
+    for k, (test, answer) in enumerate(zip(campaign.tests, answers, strict=True)):
+        tell(test.id)
+        columns = {"rotation": np.asarray(model.reading(answer.theta))}
+        for channel in campaign.channels:
+            if channel.kind == "block_acceleration":
+                columns[channel.name] = accelerations(model, campaign, k, answer, channel)
+        _write_csv(folder / f"{test.id}.csv", test, columns, answer)
+        when = answer.overturning_time
+        summary[test.id] = {"overturned": answer.fell, "time": None if math.isnan(when) else when}
+    part = folder / "predict.json.part"
+    part.write_text(json.dumps({"tests": summary}, indent=1) + "\n", encoding="utf-8")
+    part.replace(folder / "predict.json")
+    return summary
+
+
+def _write_csv(path: Path, test: Test, columns: dict[str, Array], answer: Answer) -> None:
+    after = np.isnan(answer.y[:, 0])
+    part = path.with_name(path.name + ".part")
+    with part.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(["time", *columns])
+        for i, t in enumerate(test.time):
+            row = ["" if after[i] or not math.isfinite(c[i]) else f"{c[i]:.8g}" for c in columns.values()]
+            writer.writerow([f"{t:.9g}", *row])
+    part.replace(path)

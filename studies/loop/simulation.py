@@ -1,0 +1,155 @@
+"""Many runs of many models on the tests of a campaign at once.
+
+Status   runs of one kind (same equations, same kind of base motion) go through one compiled, parallel call.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from excitation import SampledMotion
+from rocking.motion import BaseMotion, pitch_kernel
+from rocking.solvers.numba_windows import Start, run_windows
+from studies.campaigns import Test
+from studies.campaigns.base_motion import base_motion
+from studies.loop.model import LoopModel
+
+Array = NDArray[np.float64]
+
+RTOL, ATOL = 1e-8, 1e-11
+
+
+class PaddedMotion:
+    """A sampled motion with parameters filled up to a common number, so that all tests share one compiled kernel."""
+
+    def __init__(self, motion: SampledMotion, size: int) -> None:
+        self.kernel, self.breakpoints, self.max_step = motion.kernel, motion.breakpoints, motion.max_step
+        self.time_step = motion.time_step
+        self.parameters = np.concatenate([motion.parameters, np.zeros(size - motion.parameters.size)])
+        self.label = motion.name
+
+    def __repr__(self) -> str:
+        return f"PaddedMotion({self.label!r})"
+
+
+@dataclass(frozen=True)
+class Job:
+    """One run: which model on which test, over which times, from which rotation and speed."""
+
+    model: int
+    test: int
+    times: Array  # samples [s], ascending; the run starts at `start` and ends with the last
+    start: float  # [s]
+    theta: float = 0.0  # true rotation at the start [rad]
+    omega: float = 0.0  # [rad/s]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a run gave at its times: true rotation [rad], filled with +-pi/2 after a fall; full states besides."""
+
+    theta: Array
+    y: Array  # shape (time, state), NaN after the end
+    mode: NDArray[np.int64]
+    s: Array
+    fell: bool
+    failed: bool
+    overturning_time: float  # [s], NaN if it did not fall
+
+
+class Simulator:
+    """Runs models on the tests of a campaign.
+
+    Args:
+        tests: in the order of the indices that jobs use.
+        longest_gap: gap of a base record [s] that may be filled.
+    """
+
+    def __init__(self, tests: Sequence[Test]) -> None:
+        self.tests = tuple(tests)
+        bases = [self._recorded(test) for test in self.tests]
+        size = max((base.parameters.size for base in bases), default=0)
+        self.bases = [PaddedMotion(base, size) for base in bases]
+        self.spans = [(float(test.time[0]), float(test.time[-1])) for test in self.tests]
+        self._altered: dict[tuple[int, Any], BaseMotion] = {}
+
+    @staticmethod
+    def _recorded(test: Test) -> SampledMotion:
+        found = base_motion(test)
+        if found is not None:
+            return found
+        return SampledMotion(test.time_step, np.zeros(test.time.size), start=float(test.time[0]))
+
+    def _base(self, model: LoopModel, test: int) -> BaseMotion:
+        """The base of a test as the model has it; kept, since the parameters of most models leave it alone."""
+        acting = tuple(part for part in model.parts if "base_motion" in part.ways())
+        if not acting:
+            return self.bases[test]
+        key = (test, acting)
+        if key not in self._altered:
+            if len(self._altered) > 40 * len(self.tests):
+                self._altered.clear()
+            self._altered[key] = model.base(self.bases[test], self.spans[test])
+        return self._altered[key]
+
+    def run(self, models: Sequence[LoopModel], jobs: Sequence[Job]) -> list[Answer]:
+        """The answers to the jobs, in their order.
+
+        Raises:
+            ValueError: a model's effects do not go together or are out of range.
+        """
+        systems = [model.system for model in models]
+        groups: dict[Any, list[int]] = {}
+        motions = [self._base(models[job.model], job.test) for job in jobs]
+        for i, job in enumerate(jobs):
+            system, motion = systems[job.model], motions[i]
+            hooks = getattr(system.parameters, "hooks", None)
+            held = (hooks.accelerations, hooks.restitutions) if hooks is not None else None
+            key = (system.flow, held, np.shape(getattr(hooks, "values", ())), motion.kernel, pitch_kernel(motion))
+            groups.setdefault(key, []).append(i)
+        answers: list[Answer | None] = [None] * len(jobs)
+        for members in groups.values():
+            for i, answer in zip(members, self._run_group(systems, motions, jobs, members), strict=True):
+                answers[i] = answer
+        return answers  # type: ignore[return-value]
+
+    @staticmethod
+    def _run_group(systems: Any, motions: Any, jobs: Sequence[Job], members: list[int]) -> list[Answer]:
+        own_systems = list(dict.fromkeys(jobs[i].model for i in members))
+        own_motions: dict[int, tuple[int, Any]] = {}
+        places = {model: k for k, model in enumerate(own_systems)}
+        starts = []
+        for i in members:
+            job = jobs[i]
+            place = own_motions.setdefault(id(motions[i]), (len(own_motions), motions[i]))[0]
+            y, q = systems[job.model].initial_state(job.theta, job.omega)
+            starts.append(Start(places[job.model], place, job.start, float(job.times[-1]), y, q))
+        first = systems[own_systems[0]]
+        found = run_windows(
+            [systems[m] for m in own_systems], [m for _, m in own_motions.values()], starts,
+            [jobs[i].times for i in members], rtol=RTOL, atol=ATOL,
+        )  # fmt: skip
+        column = first.state_names.index("theta")
+        answers, at = [], 0
+        for k, i in enumerate(members):
+            part = slice(at, at + jobs[i].times.size)
+            at = part.stop
+            y = found.y[part]
+            theta = np.where(np.isnan(y[:, column]), _last_side(y[:, column]), y[:, column])
+            fell = bool(found.fell[k])
+            when = float(found.overturning_time[k]) if fell else math.nan
+            when = jobs[i].start if fell and math.isnan(when) else when
+            answers.append(Answer(theta, y, found.mode[part], found.s[part], fell, bool(found.failed[k]), when))
+        return answers
+
+
+def _last_side(theta: Array) -> float:
+    """+-pi/2 on the side of the last rotation that is known; +pi/2 if none is."""
+    known = theta[np.isfinite(theta)]
+    return math.copysign(0.5 * math.pi, known[-1]) if known.size else 0.5 * math.pi
