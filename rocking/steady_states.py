@@ -88,7 +88,8 @@ def stable_range(ratio: float, e: float, n: int = 1) -> tuple[float, float]:
         low:  (1 + w^2) Q tanh^2(T/2) / sqrt(P^2 + (w Q tanh(T/2))^2), where the two orbits meet; none below it
         high: where tr = -(1 + e^2); inf if that never comes
 
-    The lower end is below the g alpha that starts rocking: a block at rest stays at rest there, one that rocks goes on.
+    With e near 1 and n = 1 the lower end is below the g alpha that starts rocking: between the two a block at rest
+    stays at rest, and one that rocks goes on.  With e = 1 no disturbance dies; within the range none grows either.
 
     Args:
         ratio: w, angular frequency of the base over p [1].
