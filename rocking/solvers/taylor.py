@@ -90,7 +90,7 @@ def _run(system: Any, motion: BaseMotion, start: Any, save_at: Any, max_events: 
     moves: tuple[Any, ...] = (wave[None, :],) if wave is not None else ()
     if record is not None:
         moves = (np.ones((1, 2)), *record_arguments(*record))
-    kernel = entry(f"one_{system.form}_{'record' if wave is None else 'wave'}")
+    kernel = entry(f"{system.form}_{'record' if wave is None else 'wave'}")
     room = FIRST_ROOM
     while True:
         sums, log = kernel(par, start, *moves, max_events, rows, save_at, room)

@@ -60,7 +60,7 @@ def carry_portions(
 
     def carry(first: int) -> None:
         stop = min(first + portion, count)
-        kernel(*part(first, stop), *(record or ()), max_events, rows[first:stop])
+        kernel(*part(first, stop), *(record or ()), max_events, rows[first:stop], np.empty(0), 0)
 
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(carry, range(0, count, portion)))

@@ -30,7 +30,7 @@ SHARE = 3
 def next_run(t, lane, runs, run, form, wave):
     """Put the next run that takes longer than its begin into a lane; the number of the one after it."""
     while run < runs.pars.shape[0]:
-        goes_on = begin(t, lane, runs, run, form, wave, None)
+        goes_on = begin(t, lane, runs, run, form, wave, False)
         run += 1
         if goes_on:
             return run
@@ -48,7 +48,7 @@ def carry_all(runs, form, wave):
         run = next_run(t, lane, runs, run, form, wave)
         busy += t[row.RUN, lane] >= 0.0
     while busy > 0:
-        carry(t, runs.values, form, wave, scratch, runs.max_events, 1 + busy // SHARE, None)
+        carry(t, runs.values, form, wave, scratch, runs.max_events, 1 + busy // SHARE, False)
         for lane in range(LANES):
             if t[row.CALL, lane] > 0.0 and not answer(t, lane, runs, wave):
                 sum_up(t, lane, runs)
@@ -63,11 +63,11 @@ def carry_one(runs, form, wave, log):
     for lane in range(1, LANES):
         be_idle(t, lane)
     rests, s = runs.starts[0, 0] == REST, runs.starts[0, 1]
-    goes_on = begin(t, 0, runs, 0, form, wave, log)
+    goes_on = begin(t, 0, runs, 0, form, wave, True)
     if rests:
         write_wait(t, log, s, goes_on)
     while goes_on:
-        carry(t, runs.values, form, wave, scratch, runs.max_events, 1, log)
+        carry(t, runs.values, form, wave, scratch, runs.max_events, 1, True)
         write_step(t, log)
         if t[row.CALL, 0] > 0.0:
             rests, s = t[row.CALL, 0] == row.RESTS, t[row.S, 0]
@@ -79,64 +79,42 @@ def carry_one(runs, form, wave, log):
     return t[row.STATUS, 0], t[row.MODE, 0], t[row.T_END, 0], t[row.WRITTEN, 0], t[row.SAVED, 0]
 
 
-def linear_record(pars, starts, motions, values, peaks, head, max_events, rows):
+@numba.njit(error_model="numpy")
+def carry_either(runs, form, wave, save_at, room):
+    """One run written down, with room for so many events, or all of them where there is no room; (sums, log)."""
+    log = new_log(save_at, room)
+    if room > 0:
+        return carry_one(runs, form, wave, log), log
+    carry_all(runs, form, wave)
+    return (0.0, 0.0, 0.0, 0.0, 0.0), log
+
+
+def linear_record(pars, starts, motions, values, peaks, head, max_events, rows, save_at, room):
     """Linear blocks over a record; head = (t_first, dt)."""
-    carry_all(row.Runs(pars, starts, motions, values, peaks, head[0], head[1], max_events, rows), None, None)
+    runs = row.Runs(pars, starts, motions, values, peaks, head[0], head[1], max_events, rows)
+    return carry_either(runs, None, None, save_at, room)
 
 
-def nonlinear_record(pars, starts, motions, values, peaks, head, max_events, rows):
+def nonlinear_record(pars, starts, motions, values, peaks, head, max_events, rows, save_at, room):
     """Nonlinear blocks over a record."""
-    carry_all(row.Runs(pars, starts, motions, values, peaks, head[0], head[1], max_events, rows), 1, None)
+    runs = row.Runs(pars, starts, motions, values, peaks, head[0], head[1], max_events, rows)
+    return carry_either(runs, 1, None, save_at, room)
 
 
-def linear_wave(pars, starts, motions, max_events, rows):
+def linear_wave(pars, starts, motions, max_events, rows, save_at, room):
     """Linear blocks over ramped sinusoids."""
-    carry_all(row.Runs(pars, starts, motions, None, None, 0.0, 1.0, max_events, rows), None, 1)
+    return carry_either(row.Runs(pars, starts, motions, None, None, 0.0, 1.0, max_events, rows), None, 1, save_at, room)
 
 
-def nonlinear_wave(pars, starts, motions, max_events, rows):
+def nonlinear_wave(pars, starts, motions, max_events, rows, save_at, room):
     """Nonlinear blocks over ramped sinusoids."""
-    carry_all(row.Runs(pars, starts, motions, None, None, 0.0, 1.0, max_events, rows), 1, 1)
-
-
-def one_linear_record(pars, starts, motions, values, peaks, head, max_events, rows, save_at, room):
-    """One linear block over a record, written down."""
-    log = new_log(save_at, room)
-    runs = row.Runs(pars, starts, motions, values, peaks, head[0], head[1], max_events, rows)
-    return carry_one(runs, None, None, log), log
-
-
-def one_nonlinear_record(pars, starts, motions, values, peaks, head, max_events, rows, save_at, room):
-    """One nonlinear block over a record, written down."""
-    log = new_log(save_at, room)
-    runs = row.Runs(pars, starts, motions, values, peaks, head[0], head[1], max_events, rows)
-    return carry_one(runs, 1, None, log), log
-
-
-def one_linear_wave(pars, starts, motions, max_events, rows, save_at, room):
-    """One linear block over a ramped sinusoid, written down."""
-    log = new_log(save_at, room)
-    return carry_one(row.Runs(pars, starts, motions, None, None, 0.0, 1.0, max_events, rows), None, 1, log), log
-
-
-def one_nonlinear_wave(pars, starts, motions, max_events, rows, save_at, room):
-    """One nonlinear block over a ramped sinusoid, written down."""
-    log = new_log(save_at, room)
-    return carry_one(row.Runs(pars, starts, motions, None, None, 0.0, 1.0, max_events, rows), 1, 1, log), log
-
-
-BODIES = (
-    linear_record, nonlinear_record, linear_wave, nonlinear_wave,
-    one_linear_record, one_nonlinear_record, one_linear_wave, one_nonlinear_wave,
-)  # fmt: skip
+    return carry_either(row.Runs(pars, starts, motions, None, None, 0.0, 1.0, max_events, rows), 1, 1, save_at, room)
 
 
 @cache
 def entry(name: str) -> Any:
     """One of the entries, compiled."""
-    body = {function.__name__: function for function in BODIES}[name]
+    bodies = {body.__name__: body for body in (linear_record, nonlinear_record, linear_wave, nonlinear_wave)}
     i8, line, table = types.int64, types.float64[::1], types.float64[:, ::1]
-    record = (table, table, table, line, line, line, i8, table)
-    wave = (table, table, table, i8, table)
-    signature = (record if "record" in name else wave) + ((line, i8) if name.startswith("one") else ())
-    return compiled(body, signature, f"taylor_{name}")
+    shared = (line, line, line) if "record" in name else ()
+    return compiled(bodies[name], (table, table, table, *shared, i8, table, line, i8), f"taylor_{name}")

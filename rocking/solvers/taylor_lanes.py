@@ -110,7 +110,7 @@ def keep_step(t, c, s, k, tau, reach, v_end, hit):
 
 
 @numba.njit(error_model="numpy")
-def carry(t, values, form, wave, scratch, max_events, quorum, log):
+def carry(t, values, form, wave, scratch, max_events, quorum, logging):
     """Carry all lanes until one asks for something, or for one step where the run is written down."""
     x, v, s = load(t, row.X), load(t, row.V), load(t, row.S)
     k, tau, stop = load(t, row.K), load(t, row.TAU), load(t, row.STOP)
@@ -151,7 +151,7 @@ def carry(t, values, form, wave, scratch, max_events, quorum, log):
                 x_end, v_end, reach = where(near, x, x_end), where(near, v, v_end), where(near, 0.0, h)
                 whole, kept = whole & ~near, where(near, floor, kept)
         floor = kept
-        if log is not None:
+        if logging:
             keep_step(t, c, s, k, tau, reach, v_end, hit)
         if bits(most(x, x_end) + bulge > load(t, row.WATCH)) != 0:
             call = where(look_up(t, c, x, v, tau, k, reach, x_end, v_end), float(row.FALLS), call)
@@ -175,7 +175,7 @@ def carry(t, values, form, wave, scratch, max_events, quorum, log):
             stop = where(whole, load(t, row.DT), stop)
             b0 = where(whole, b1, b0)
             b1 = where(whole, load(t, row.SCALE) * gather(values, k + 1.0), b1)
-        if log is not None or bits(call > 0.0) != 0:
+        if logging or bits(call > 0.0) != 0:
             break
     store(t, row.CALL, call)
     store(t, row.X, x)

@@ -246,7 +246,7 @@ def chatter(t, lane, runs, wave):
 
 
 @numba.njit(error_model="numpy")
-def begin(t, lane, runs, run, form, wave, log):
+def begin(t, lane, runs, run, form, wave, logging):
     """Put a run into a lane; False if it is over already."""
     p2, alpha, g, onset, e, omega_rest = runs.pars[run]
     mode, s, x, v, t_start, t_end = runs.starts[run]
@@ -259,7 +259,7 @@ def begin(t, lane, runs, run, form, wave, log):
     t[row.TURN_S, lane], t[row.TURN_C, lane] = math.sin(alpha - 0.25 * math.pi), math.cos(alpha - 0.25 * math.pi)
     t[row.HOLD_S, lane] = alpha if form is None else math.sin(alpha)
     t[row.HOLD_C, lane] = 1.0 if form is None else math.cos(alpha)
-    t[row.ZENO, lane] = 2.0 / (p2 * (1.0 - e)) if log is None else math.inf
+    t[row.ZENO, lane] = math.inf if logging else 2.0 / (p2 * (1.0 - e))
     t[row.RUN, lane], t[row.T_START, lane], t[row.T_END, lane] = run, t_start, t_end
     t[row.PEAK, lane], t[row.WATCH, lane] = abs(x), min(abs(x), alpha)
     t[row.PASSAGE, lane], t[row.ONSET_TIME, lane] = t_start, math.nan
