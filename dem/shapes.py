@@ -21,11 +21,12 @@ FLAT = 1e-9  # corners this close in height, as a share of the size, count as on
 
 @dataclass(frozen=True, eq=False)
 class Polygon:
-    """A convex polygon that stands on a flat side; build it with `polygon` or `rectangle`.
+    """A convex polygon; build it with `polygon`, `rectangle` (these stand on a flat side) or `convex`.
 
     corners: from the centroid [m], shape (corner, 2), columns X (right) and Z (up), counter-clockwise
     area [m^2]; second_moment: polar, about the centroid [m^4]; radius: farthest corner [m]
-    theta_c: tilts of unstable balance, leaning to +x and to -x, both positive [rad]
+    theta_c: tilts of unstable balance, leaning to +x and to -x, both positive [rad]; nan for one of `convex` that
+        does not stand
     """
 
     corners: FloatArray
@@ -50,6 +51,26 @@ def polygon(vertices: npt.ArrayLike) -> Polygon:
     Raises ValueError unless it is strictly convex, finite, and stands on its lowest side with the centroid
     above that side.
     """
+    corners, area, _ = _about_centroid(vertices)
+    return _measured(corners, area, _balance_tilts(corners))
+
+
+def convex(vertices: npt.ArrayLike) -> tuple[Polygon, tuple[float, float]]:
+    """Polygon that need not stand by itself, as a voussoir does not, and where its centroid lies [m].
+
+    vertices: as for `polygon`. `theta_c` is nan both ways where there is no flat lowest side below the centroid.
+    Raises ValueError unless it is strictly convex and finite.
+    """
+    corners, area, centroid = _about_centroid(vertices)
+    try:
+        tilts = _balance_tilts(corners)
+    except ValueError:
+        tilts = (math.nan, math.nan)
+    return _measured(corners, area, tilts), centroid
+
+
+def _about_centroid(vertices: npt.ArrayLike) -> tuple[FloatArray, float, tuple[float, float]]:
+    """(corners from the centroid, counter-clockwise; area; centroid)."""
     points = _turning_left(_checked(vertices))
     middle = points.mean(axis=0)
     points = points - middle
@@ -59,12 +80,16 @@ def polygon(vertices: npt.ArrayLike) -> Polygon:
     centroid = ((points + following) * cross[:, None]).sum(axis=0) / (6.0 * area)
     corners = points - centroid
     corners.setflags(write=False)
+    return corners, area, (float(middle[0] + centroid[0]), float(middle[1] + centroid[1]))
+
+
+def _measured(corners: FloatArray, area: float, theta_c: tuple[float, float]) -> Polygon:
     return Polygon(
         corners=corners,
         area=area,
         second_moment=_polar_moment(corners),
         radius=float(np.hypot(corners[:, 0], corners[:, 1]).max()),
-        theta_c=_balance_tilts(corners),
+        theta_c=theta_c,
     )
 
 

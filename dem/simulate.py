@@ -12,15 +12,13 @@ from dataclasses import dataclass
 from types import ModuleType
 
 import numpy as np
-import numpy.typing as npt
 
 from dem import checks
 from dem.history import OMEGA_STILL, SPEED_AT_REST, Energies, History, Mode, Outcome
 from dem.scenes import Scene
 from dem.shapes import FloatArray
 from dem.stability import critical_step
-
-Motion = Callable[[FloatArray], tuple[npt.ArrayLike, npt.ArrayLike]]
+from dem.table_motion import Motion, accelerations
 
 CHUNK = 50_000  # steps between looks at the base motion and calls of `progress`
 SAMPLES = 2000  # about as many are kept unless the caller says otherwise
@@ -158,7 +156,7 @@ class _Run:
         """Base accelerations chunk by chunk."""
         for first in range(0, self.last_step + 1, CHUNK):
             times = np.arange(first, min(first + CHUNK, self.last_step + 1), dtype=np.float64) * self.dt
-            yield _accelerations(motion, times)
+            yield accelerations(motion, times)
 
     def _history(self, ending: int) -> History:
         step, state = self.step, self.state
@@ -204,24 +202,6 @@ def _compiled_modules() -> tuple[ModuleType, ModuleType]:
     from dem import contact_law, step
 
     return contact_law, step
-
-
-def _accelerations(motion: Motion | None, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-    if motion is None:
-        return np.zeros_like(times), np.zeros_like(times)
-    pair = motion(times)
-    if not isinstance(pair, (tuple, list)) or len(pair) != 2:
-        raise ValueError(f"motion gave {type(pair).__name__}: want a pair of arrays (a_x, a_z) [m/s^2]")
-    checked = []
-    for name, values in zip(("a_x", "a_z"), pair, strict=True):
-        array = np.asarray(values, dtype=np.float64)
-        if array.shape != times.shape:
-            raise ValueError(f"motion gave {name} of shape {array.shape}: want {times.shape}, one per time")
-        if not np.isfinite(array).all():
-            first = int(np.argmin(np.isfinite(array)))
-            raise ValueError(f"motion gave {name}={array[first]} m/s^2 at t={times[first]:.6g} s: want finite numbers")
-        checked.append(np.ascontiguousarray(array))
-    return checked[0], checked[1]
 
 
 def _dashpot(damping: float | None, damping_ratio: float | None, critical: float) -> float:

@@ -47,10 +47,10 @@ def critical_step(scene: Scene, kn: float, ks: float, damping: float) -> float:
     checks.not_negative("damping", damping, "N s/m")
     mass = np.array([scene.mass, scene.mass, scene.inertia])
     pairs = zip(scene.shape.corners, np.roll(scene.shape.corners, -1, axis=0), strict=True)
-    return min(_pair_step(_levers(first, second), mass, kn, ks, damping) for first, second in pairs)
+    return min(step_of_side(levers_of_side(first, second), mass, kn, ks, damping) for first, second in pairs)
 
 
-def _levers(first: FloatArray, second: FloatArray) -> FloatArray:
+def levers_of_side(first: FloatArray, second: FloatArray) -> FloatArray:
     """J of two corners with the side between them flat on the floor, shape (4, 3)."""
     along = (second - first) / np.hypot(*(second - first))
     rows = []
@@ -60,7 +60,7 @@ def _levers(first: FloatArray, second: FloatArray) -> FloatArray:
     return np.array(rows)
 
 
-def _pair_step(levers: FloatArray, mass: FloatArray, kn: float, ks: float, damping: float) -> float:
+def step_of_side(levers: FloatArray, mass: FloatArray, kn: float, ks: float, damping: float) -> float:
     """The dt at which the largest eigenvalue of inv(M) (dt^2 K + 2 dt C) reaches 4; it grows with dt."""
     scaled = levers / np.sqrt(mass)
     stiff, loss = np.array([ks, kn, ks, kn]), 2.0 * damping

@@ -13,15 +13,14 @@ that the lever of a corner turns within the step, of second order in dt.
 
 from __future__ import annotations
 
-import hashlib
 import math
-from pathlib import Path
 from typing import NamedTuple
 
 import numba
 import numpy as np
 import numpy.typing as npt
 
+from dem.compiled import compiled
 from dem.contact_law import clipped, friction_limit, normal_spring, normal_total, shear_total
 
 FloatArray = npt.NDArray[np.float64]
@@ -276,33 +275,4 @@ def _advance(a_x, a_z, body, law, clock, corners, kept, state, counts, seconds, 
     return ending
 
 
-def _digest() -> str:
-    """Short hash of all sources of this package."""
-    sources = sorted(Path(__file__).parent.glob("*.py"))
-    return hashlib.sha256(b"\0".join(path.read_bytes() for path in sources)).hexdigest()[:12]
-
-
-def _compiled(function):
-    """The function compiled, with its machine code kept on disk under a name that changes with any source here.
-
-    numba alone does not see an edit of a function in another file that the kernel calls.
-    """
-    name = function.__name__
-    function.__qualname__ = f"{name}_{_digest()}"
-    kernel = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
-    if hasattr(kernel, "stats"):  # not where numba's compiler is switched off
-        _drop_stale(Path(str(kernel.stats.cache_path)), f"step.{name}_", function.__qualname__)
-    return kernel
-
-
-def _drop_stale(folder: Path, prefix: str, current: str) -> None:
-    """Delete this package's cache files of other digests."""
-    for path in folder.glob(f"{prefix}*.nb[ic]"):
-        if current not in path.name:
-            try:
-                path.unlink()
-            except OSError:
-                continue  # a read-only folder, or another process was first: the file is merely unused
-
-
-advance = _compiled(_advance)
+advance = compiled(_advance)

@@ -1,0 +1,97 @@
+"""Contact parameters, one set for all contacts or one for each pair of materials.
+
+Source  Winkler, Meguro & Yamazaki (1995): kn = ks = 1.98e7 N/m, one damping for both directions
+Status  missing pairs and bad numbers are refused (tests)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from dem import checks
+from dem.shapes import FloatArray
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Springs, dashpots and friction of one contact.
+
+    mu: friction coefficient, 0 to math.inf
+    damping: dashpot c, normal and shear [N s/m]; or instead damping_ratio = c/(2 sqrt(kn m)), m the mass of the body on
+        a wall or the floor and m1 m2/(m1 + m2) of two bodies
+    kn, ks: normal and shear stiffness [N/m]
+
+    Raises ValueError unless exactly one damping is given and all lie in their ranges.
+    """
+
+    mu: float
+    damping: float | None = None
+    damping_ratio: float | None = None
+    kn: float = 1.98e7
+    ks: float = 1.98e7
+
+    def __post_init__(self) -> None:
+        checks.positive("kn", self.kn, "N/m")
+        checks.positive("ks", self.ks, "N/m")
+        if not self.mu >= 0.0:
+            raise ValueError(f"mu={self.mu}: want a friction coefficient from 0 to math.inf")
+        if (self.damping is None) == (self.damping_ratio is None):
+            raise ValueError(f"damping={self.damping}, damping_ratio={self.damping_ratio}: want exactly one of the two")
+        checks.not_negative("damping", self.damping or 0.0, "N s/m")
+        checks.not_negative("damping_ratio", self.damping_ratio or 0.0, "(share of critical)")
+
+
+Contacts = Contact | Mapping[tuple[str, str], Contact]
+
+
+@dataclass(frozen=True, eq=False)
+class ContactTable:
+    """Contact parameters by pair of material numbers, each of shape (material, material); c: given dashpot [N s/m],
+    ratio: given share of critical damping."""
+
+    names: tuple[str, ...]
+    kn: FloatArray
+    ks: FloatArray
+    c: FloatArray
+    ratio: FloatArray
+    mu: FloatArray
+
+    def dashpot(self, i: int, j: int, mass: float) -> float:
+        """c of a pair of materials [N s/m], mass: reduced mass of the bodies [kg]."""
+        return float(self.c[i, j] + self.ratio[i, j] * 2.0 * math.sqrt(self.kn[i, j] * mass))
+
+
+def contact_table(contacts: Contacts, materials: Iterable[str]) -> ContactTable:
+    """Table for these materials.
+
+    Raises ValueError where `contacts` says nothing of a pair, or says it twice differently.
+    """
+    names = tuple(dict.fromkeys(materials))
+    rows = [[_between(contacts, first, second) for second in names] for first in names]
+
+    def table(of: Callable[[Contact], float]) -> FloatArray:
+        return np.array([[of(contact) for contact in row] for row in rows], dtype=np.float64)
+
+    return ContactTable(
+        names,
+        table(lambda contact: contact.kn),
+        table(lambda contact: contact.ks),
+        table(lambda contact: contact.damping or 0.0),
+        table(lambda contact: contact.damping_ratio or 0.0),
+        table(lambda contact: contact.mu),
+    )
+
+
+def _between(contacts: Contacts, first: str, second: str) -> Contact:
+    if isinstance(contacts, Contact):
+        return contacts
+    found = {contacts[pair] for pair in ((first, second), (second, first)) if pair in contacts}
+    if len(found) != 1:
+        raise ValueError(
+            f"contacts say {'nothing' if not found else 'two things'} of {first!r} on {second!r}: want one Contact"
+        )
+    return found.pop()

@@ -1,0 +1,201 @@
+"""The public verb for assemblies: bodies on a moving table, carried through time in chunks of compiled steps.
+
+Source  Winkler, Meguro & Yamazaki (1995)
+Status  see the package head
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from dem import checks
+from dem.assembly import Assembly
+from dem.assembly_history import AssemblyHistory
+from dem.assembly_stability import assembly_critical_step
+from dem.materials import Contact, Contacts, contact_table
+from dem.table_motion import Motion
+
+SAFE_SHARE = 0.25  # default step, as a share of the critical one
+SAMPLES = 2000  # about as many are kept unless the caller says otherwise
+
+
+@dataclass(frozen=True)
+class ContactJudgement:
+    """When a corner counts as on an edge, and when contacts are updated; the defaults depend on the scene.
+
+    skin: places where bodies may touch are listed within this distance [m]. It changes the speed, not the result. None:
+        an eighth of the shortest edge or least breadth in the scene, at most a tenth of a typical body's half-diagonal
+    update_after: the list is made anew when a body may have moved by this much relative to the table [m], 0: at every
+        step. None: 0.475 of the skin, the most with which no contact can be missed
+    reach: an edge is felt from this far off [m]
+    end_slack: a corner may lie this far beyond the end of an edge when it begins to touch [m]
+    facing: how exactly an edge has to face a corner that begins to touch it [rad]
+    """
+
+    skin: float | None = None
+    update_after: float | None = None
+    reach: float = 0.0
+    end_slack: float = 1e-9
+    facing: float = 0.1
+
+    def __post_init__(self) -> None:
+        if self.skin is not None:
+            checks.positive("skin", self.skin, "m")
+        checks.not_negative("update_after", self.update_after or 0.0, "m")
+        checks.not_negative("reach", self.reach, "m")
+        checks.not_negative("end_slack", self.end_slack, "m")
+        if not 0.0 < self.facing <= 0.15:
+            raise ValueError(f"facing={self.facing} rad: want an angle above 0, at most 0.15")
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """What ends a run and what is noted.
+
+    stop: 'fall': the first body that falls ends the run; 'all': when all have fallen; 'never': only the end
+    tilt: a body has fallen when it has turned by this much relative to the table [rad]
+    drop: or when its centroid has sunk by this much [m]; None: half of its own least breadth
+    gap, rotation: an interface is open beyond this gap at one of its corners [m] or this relative rotation [rad]
+    margin: a body leaves the scene when it is farther from the box around the scene than this [m]; None: ten times the
+        box, and 10 m
+    """
+
+    stop: str = "fall"
+    tilt: float = 0.5 * math.pi
+    drop: float | None = None
+    gap: float = 1e-3
+    rotation: float = 5e-3
+    margin: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.stop not in ("fall", "all", "never"):
+            raise ValueError(f"stop={self.stop!r}: want 'fall', 'all' or 'never'")
+        for name, unit in (("tilt", "rad"), ("drop", "m"), ("gap", "m"), ("rotation", "rad"), ("margin", "m")):
+            if (value := getattr(self, name)) is not None:
+                checks.positive(name, value, unit)
+
+
+def simulate_assembly(
+    assembly: Assembly,
+    motion: Motion | None = None,
+    *,
+    t_end: float,
+    contact: Contacts,
+    dt: float | None = None,
+    onset: str = "located",
+    coulomb: str = "total",
+    g: float = 9.80665,
+    settle: bool | None = None,
+    judgement: ContactJudgement | None = None,
+    criteria: Criteria | None = None,
+    pitch_about: tuple[float, float] = (0.0, 0.0),
+    save_every: int | None = None,
+    watch_every: int | None = None,
+    keep: Sequence[int | str] | None = None,
+    workers: int = 1,
+    progress: bool | Callable[[float], object] = False,
+) -> AssemblyHistory:
+    """Simulate an assembly on a table that moves with `motion`, until a body falls or t_end.
+
+    motion: called with times [s], float64, shape (step,); returns (a_x, a_z) [m/s^2] of the point `pitch_about` of the
+        table, each of that shape. Where it has a method `pitch(t) -> (angle [rad], acceleration [rad/s^2])`, clockwise
+        positive, table and walls turn about that point. None is a table at rest
+    t_end: duration [s]; the run ends with the first step at or after it
+    contact: parameters of all contacts, or a mapping of pairs of materials to parameters
+    dt: step [s]; None: a quarter of the critical one (`assembly_critical_step`)
+    onset: 'located', 'overlap' or 'incremental', see `dem.contact_forces`
+    coulomb: 'total': friction reaches mu times spring and dashpot together; 'spring': mu times the spring's force
+    g: gravity [m/s^2], 0 allowed
+    settle: let the bodies sink into their springs under gravity alone, with Cundall's local damping, before the run;
+        None: where the assembly says that it stands
+    judgement: when corners count as touching, when contacts are updated; criteria: what ends a run and what is noted
+    pitch_about: point about which the table pitches [m]
+    save_every: steps between samples (default: about 2,000 samples); keep: numbers or names of the bodies whose motion
+        is kept (default: all)
+    watch_every: steps between looks at the interfaces (default: about 1 ms)
+    workers: threads that share the work of each step; the result is the same, to the bit
+    progress: True shows a bar; a function is called with the time reached [s] after each chunk of steps
+
+    An interrupt (Ctrl-C) ends the run and keeps what has been computed; so does a motion that blows up and a body that
+    leaves the scene.
+    Raises ValueError for a bad argument, for a motion of wrong shape or not finite, for dt at or above the critical
+    step, and where a standing assembly does not come to rest under gravity alone.
+    """
+    judgement, criteria = judgement or ContactJudgement(), criteria or Criteria()
+    checks.positive("t_end", t_end, "s")
+    checks.not_negative("g", g, "m/s^2")
+    for name, value in zip(("pitch_about x", "pitch_about z"), pitch_about, strict=True):
+        checks.finite(name, value, "m")
+    _one_of("onset", onset, ("located", "overlap", "incremental"))
+    _one_of("coulomb", coulomb, ("total", "spring"))
+    limit = assembly_critical_step(assembly, contact)
+    dt = _step(dt, limit, t_end)
+    last_step = max(1, math.ceil(t_end / dt * (1.0 - 1e-12)))
+    save_every = max(1, last_step // SAMPLES) if save_every is None else _whole("save_every", save_every)
+    watch_every = max(1, round(1e-3 / dt)) if watch_every is None else _whole("watch_every", watch_every)
+    settings: dict[str, float | str] = {
+        "dt": dt, "critical_step": limit, "t_end": t_end, "g": g, "onset": onset, "coulomb": coulomb,
+        "settle": float(assembly.standing if settle is None else settle), "save_every": save_every,
+        "watch_every": watch_every, "pitch_about_x": float(pitch_about[0]), "pitch_about_z": float(pitch_about[1]),
+        "workers": _whole("workers", workers), "contact": _describe(contact),
+    }  # fmt: skip
+    settings |= {f"judgement_{name}": _plain(value) for name, value in asdict(judgement).items()}
+    settings |= {f"criteria_{name}": _plain(value) for name, value in asdict(criteria).items()}
+    kept = _kept(assembly, keep)
+    from dem.assembly_run import Run  # numba is slow to load
+
+    table = contact_table(contact, assembly.materials)
+    run = Run(assembly, table, judgement, criteria, settings, last_step, kept)
+    if settings["settle"]:
+        run.settle()
+    return run.through(motion, progress)
+
+
+def _step(dt: float | None, limit: float, t_end: float) -> float:
+    if dt is None:
+        return min(SAFE_SHARE * limit, t_end)
+    checks.positive("dt", dt, "s")
+    if dt >= limit:
+        raise ValueError(f"dt={dt} s: want a step below {limit:.6g} s, where this assembly becomes unstable")
+    return float(dt)
+
+
+def _one_of(name: str, value: str, choices: Sequence[str]) -> None:
+    if value not in choices:
+        wanted = " or ".join(filter(None, (", ".join(map(repr, choices[:-1])), repr(choices[-1]))))
+        raise ValueError(f"{name}={value!r}: want {wanted}")
+
+
+def _whole(name: str, value: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
+        raise ValueError(f"{name}={value!r}: want a whole number, at least 1")
+    return int(value)
+
+
+def _kept(assembly: Assembly, keep: Sequence[int | str] | None) -> tuple[int, ...]:
+    """Numbers of the bodies whose motion is kept."""
+    if keep is None:
+        return tuple(range(len(assembly.bodies)))
+    numbers = []
+    for item in keep:
+        if isinstance(item, str) and item in assembly.names:
+            numbers.append(assembly.names.index(item))
+        elif not isinstance(item, str) and 0 <= item < len(assembly.bodies):
+            numbers.append(int(item))
+        else:
+            raise ValueError(f"keep: {item!r}: want the number or name of one of the {len(assembly.bodies)} bodies")
+    return tuple(numbers)
+
+
+def _plain(value: float | str | None) -> float | str:
+    return "default" if value is None else value
+
+
+def _describe(contact: Contacts) -> str:
+    if isinstance(contact, Contact):
+        return repr(contact)
+    return "; ".join(f"{first} on {second}: {law!r}" for (first, second), law in contact.items())

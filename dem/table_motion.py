@@ -1,0 +1,79 @@
+"""The table's frame step by step: acceleration and gravity in its axes, pitch rate, from a prescribed motion.
+
+Source  kinematics of a rotating frame; signs as in the package head (pitch clockwise positive)
+Status  a pitching table against Newton's law in the inertial frame (tests)
+
+A motion is called with times and gives (a_x, a_z) of the point about which the table pitches, in inertial axes. One
+that has a method `pitch(t) -> (angle [rad], acceleration [rad/s^2])` also turns the table. The pitch rate is the
+central difference of the angle over two steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from dem.shapes import FloatArray
+
+Motion = Callable[[FloatArray], tuple[npt.ArrayLike, npt.ArrayLike]]
+
+
+class Frame(NamedTuple):
+    """x, z: acceleration of the frame and gravity in its axes [m/s^2]; rate [rad/s]; turn [rad/s^2]: shape (step,)."""
+
+    x: FloatArray
+    z: FloatArray
+    rate: FloatArray
+    turn: FloatArray
+
+
+def pitches(motion: Motion | None) -> bool:
+    """Does the motion have a pitch?"""
+    return callable(getattr(motion, "pitch", None))
+
+
+def frame_at(motion: Motion | None, times: FloatArray, dt: float, g: float) -> Frame:
+    """The frame at these times [s]; dt: step [s], g: gravity [m/s^2].
+
+    Raises ValueError where the motion gives the wrong shape or a number that is not finite.
+    """
+    a_x, a_z = accelerations(motion, times)
+    still = np.zeros_like(times)
+    if not pitches(motion):
+        return Frame(a_x, a_z + g, still, still)
+    pitch: Callable[[FloatArray], object] = motion.pitch  # type: ignore[union-attr]
+    units = ("rad", "rad/s^2")
+    angle, turn = _pair(pitch(times), times, ("pitch", "pitch acceleration"), units)
+    before, after = np.maximum(times - dt, 0.0), times + dt
+    earlier, _ = _pair(pitch(before), times, ("pitch", "pitch acceleration"), units)
+    later, _ = _pair(pitch(after), times, ("pitch", "pitch acceleration"), units)
+    rate = (later - earlier) / (after - before)
+    cos, sin = np.cos(angle), np.sin(angle)
+    return Frame(cos * a_x - sin * (a_z + g), sin * a_x + cos * (a_z + g), rate, turn)
+
+
+def accelerations(motion: Motion | None, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(a_x, a_z) [m/s^2] at these times [s], checked."""
+    if motion is None:
+        return np.zeros_like(times), np.zeros_like(times)
+    return _pair(motion(times), times, ("a_x", "a_z"), ("m/s^2", "m/s^2"))
+
+
+def _pair(
+    pair: object, times: FloatArray, names: tuple[str, str], units: tuple[str, str]
+) -> tuple[FloatArray, FloatArray]:
+    if not isinstance(pair, (tuple, list)) or len(pair) != 2:
+        raise ValueError(f"motion gave {type(pair).__name__}: want a pair of arrays ({', '.join(names)}) [{units[0]}]")
+    checked = []
+    for name, unit, values in zip(names, units, pair, strict=True):
+        array = np.asarray(values, dtype=np.float64)
+        if array.shape != times.shape:
+            raise ValueError(f"motion gave {name} of shape {array.shape}: want {times.shape}, one per time")
+        if not np.isfinite(array).all():
+            first = int(np.argmin(np.isfinite(array)))
+            raise ValueError(f"motion gave {name}={array[first]} {unit} at t={times[first]:.6g} s: want finite numbers")
+        checked.append(np.ascontiguousarray(array))
+    return checked[0], checked[1]
