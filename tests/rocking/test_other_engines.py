@@ -168,9 +168,17 @@ def test_heyoka_has_the_impacts_of_the_quadrature() -> None:
     np.testing.assert_allclose(times, [0.312309, 0.820592, 1.251877, 1.625867, 1.954508], rtol=0.0, atol=5.1e-7)
 
 
-@pytest.mark.parametrize("solver", available())
-@pytest.mark.parametrize("form", ["nonlinear", "linear"])
-@pytest.mark.parametrize(("rate", "frequency"), [(0.0, 1.0), (2.5, 2.0), (4.0, 4.0)])
+# diffrax compiles each pair of form and motion for seconds: it meets one, and the agreement suite beside.
+CASES = [
+    (solver, form, rate, frequency)
+    for solver in available()
+    for form in ("nonlinear", "linear")
+    for rate, frequency in ((0.0, 1.0), (2.5, 2.0), (4.0, 4.0))
+    if solver != "diffrax" or (form == "nonlinear" and rate > 0.0)
+]
+
+
+@pytest.mark.parametrize(("solver", "form", "rate", "frequency"), CASES)
 def test_impacts_are_those_of_heyoka(solver: str, form: Any, rate: float, frequency: float) -> None:
     system = Method1(BLOCK, form=form, g=G)
     motion = RampedSinusoid(frequency, 10.0, 10.0 * rate) if rate else Still()
