@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from dem import checks
 from dem.initial_contacts import depths, near_pairs, outlines_of
+from dem.materials import Contacts, ContactTable, contact_table
 from dem.shapes import FloatArray, Polygon, convex
 
 TOUCHING = 1e-9  # bodies may overlap by this share of their size at the start, for rounding of coordinates
@@ -171,10 +172,19 @@ class Assembly:
         return (*self.bodies, *self.walls)
 
     @property
+    def fixed_materials(self) -> tuple[str, ...]:
+        """Material of each wall, then of the floor."""
+        walls = tuple(wall.material for wall in self.walls)
+        return (*walls, self.floor_material) if self.floor else walls
+
+    @property
     def materials(self) -> tuple[str, ...]:
         """Material of each body, then of each wall, then of the floor."""
-        solid = tuple(thing.material for thing in self.things)
-        return (*solid, self.floor_material) if self.floor else solid
+        return (*(body.material for body in self.bodies), *self.fixed_materials)
+
+    def contact_table(self, contacts: Contacts) -> ContactTable:
+        """Contact parameters by pair of materials. Raises ValueError where a pair that can meet is missing."""
+        return contact_table(contacts, [body.material for body in self.bodies], self.fixed_materials)
 
     @property
     def mass(self) -> float:

@@ -22,7 +22,7 @@ from scipy.sparse.linalg import eigsh
 
 from dem.assembly import Assembly
 from dem.initial_contacts import IntArray, Touch, near_pairs, outlines_of, touches
-from dem.materials import Contacts, ContactTable, contact_table
+from dem.materials import Contacts, ContactTable
 from dem.shapes import FloatArray
 from dem.stability import levers_of_side, step_of_side
 
@@ -35,7 +35,7 @@ def assembly_critical_step(assembly: Assembly, contact: Contacts) -> float:
 
     Raises ValueError where `contact` lacks a pair of materials.
     """
-    table = contact_table(contact, assembly.materials)
+    table = assembly.contact_table(contact)
     numbers = np.array([table.names.index(name) for name in assembly.materials])
     alone = min(
         _alone(body.mass, body.inertia, body.shape.corners.tobytes(), *_stiffest(table, numbers[i], numbers, body.mass))

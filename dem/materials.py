@@ -7,7 +7,7 @@ Status  missing pairs and bad numbers are refused (tests)
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,6 +45,8 @@ class Contact:
         checks.not_negative("damping_ratio", self.damping_ratio or 0.0, "(share of critical)")
 
 
+_NEVER = Contact(0.0, damping=0.0)  # of two materials that cannot meet
+
 Contacts = Contact | Mapping[tuple[str, str], Contact]
 
 
@@ -65,13 +67,24 @@ class ContactTable:
         return float(self.c[i, j] + self.ratio[i, j] * 2.0 * math.sqrt(self.kn[i, j] * mass))
 
 
-def contact_table(contacts: Contacts, materials: Iterable[str]) -> ContactTable:
-    """Table for these materials.
+def contact_table(contacts: Contacts, movable: Sequence[str], fixed: Sequence[str]) -> ContactTable:
+    """Table for the materials of these bodies and of what is fixed to the table.
 
-    Raises ValueError where `contacts` says nothing of a pair, or says it twice differently.
+    Raises ValueError where `contacts` says nothing of a pair that can meet, or says it twice differently.
     """
-    names = tuple(dict.fromkeys(materials))
-    rows = [[_between(contacts, first, second) for second in names] for first in names]
+    names = tuple(dict.fromkeys((*movable, *fixed)))
+    several = {name for name in movable if movable.count(name) > 1}
+    own = set(movable)
+
+    def can_meet(first: str, second: str) -> bool:
+        if first == second:
+            return first in several or (first in own and first in fixed)
+        return first in own or second in own
+
+    rows = [
+        [_between(contacts, first, second) if can_meet(first, second) else _NEVER for second in names]
+        for first in names
+    ]
 
     def table(of: Callable[[Contact], float]) -> FloatArray:
         return np.array([[of(contact) for contact in row] for row in rows], dtype=np.float64)

@@ -16,7 +16,7 @@ from dem import checks
 from dem.assembly import Assembly
 from dem.assembly_history import AssemblyHistory
 from dem.assembly_stability import assembly_critical_step
-from dem.materials import Contact, Contacts, contact_table
+from dem.materials import Contact, Contacts
 from dem.table_motion import Motion
 
 SAFE_SHARE = 0.25  # default step, as a share of the critical one
@@ -148,7 +148,7 @@ def simulate_assembly(
     kept = _kept(assembly, keep)
     from dem.assembly_run import Run  # numba is slow to load
 
-    table = contact_table(contact, assembly.materials)
+    table = assembly.contact_table(contact)
     run = Run(assembly, table, judgement, criteria, settings, last_step, kept)
     if settings["settle"]:
         run.settle()

@@ -1,0 +1,323 @@
+"""Runs of assemblies: what stands, falls, opens, is kept, stops early, and is refused."""
+
+import importlib
+import math
+
+import numpy as np
+import pytest
+
+import dem
+
+G = 9.80665
+B, H, D, DENSITY = 0.15, 0.50, 0.25, 597.0
+STEADY = dem.Contact(0.8, damping_ratio=0.1)
+simulate_module = importlib.import_module("dem.simulate_assembly")
+run_module = importlib.import_module("dem.assembly_run")
+
+
+def growing(frequency, rate=0.1 * G):
+    def motion(t):
+        return rate * t * np.sin(2.0 * math.pi * frequency * t), np.zeros_like(t)
+
+    return motion
+
+
+def column(count=2, **kw):
+    return dem.column(count, B, H, D, DENSITY, **kw)
+
+
+SCENES = {
+    "single": dem.single(B, H, D, DENSITY),
+    "two": column(2),
+    "three": column(3),
+    "by a wall": column(2, wall_gap=0.0),
+    "shelf": dem.bookshelf(),
+    "masonry": dem.running_bond(6, 4),
+    "arch": dem.arch(11, 0.15),
+    "flat arch": dem.arch(9, 0.2, embrace=2.0),
+    "drums": dem.drum_column(5),
+    "stones": dem.rubble(5),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_standing_scene_stays_where_it_settled(name):
+    run = dem.simulate_assembly(SCENES[name], t_end=1.0, contact=STEADY)
+    assert run.ending is dem.Ending.REACHED_END
+    # Settled to 1e-8 of gravity; what is left moves bodies by less than the springs give under it, m g/kn of 1e-4 m.
+    for quantity in (run.x, run.z):
+        assert np.ptp(quantity, axis=0).max() < 1e-11
+    assert not run.falls
+    assert all(math.isnan(separation.time) for separation in run.separations)
+
+
+def test_a_column_stays_still_for_a_minute_without_creep():
+    run = dem.simulate_assembly(column(3), t_end=60.0, contact=STEADY, keep=["upper block"])
+    # A million steps; positions of 1 m are known to 1e-16 m.
+    for quantity in (run.x, run.z, run.theta):
+        assert np.ptp(quantity) < 1e-14
+
+
+# Milankovitch's least thickness of a semicircular arch: t/R = 0.1075, R of the centre line. Cut into 24 voussoirs,
+# whose joints do not lie where the hinges want to be, it may be thinner by about 1 %.
+@pytest.mark.parametrize(("thickness", "stands"), [(0.104, False), (0.110, True)])
+def test_a_semicircular_arch_stands_from_the_least_thickness_on(thickness, stands):
+    rough = dem.Contact(math.inf, damping_ratio=0.5, kn=2e8, ks=2e8)
+    run = dem.simulate_assembly(dem.arch(24, thickness), t_end=1.0, contact=rough, settle=False)
+    assert (run.ending is dem.Ending.REACHED_END) == stands
+    if stands:
+        assert np.abs(run.theta).max() < 5e-3  # a mechanism has turned its stones by 0.1 when they come loose
+
+
+def test_columns_of_two_overturn_as_in_figs_18_and_19():
+    def amplitude(frequency, **kw):
+        run = dem.simulate_assembly(column(2, **kw), growing(frequency), t_end=40.0, contact=STEADY)
+        assert run.ending is dem.Ending.FELL
+        return run.overturning_time
+
+    # Winkler, Meguro & Yamazaki (1995): below 2 Hz the free column falls before the one next to a wall, above 2 Hz
+    # after.
+    assert amplitude(1.0) < amplitude(1.0, wall_gap=0.0)
+    assert amplitude(3.0) > amplitude(3.0, wall_gap=0.0)
+
+
+def test_blocks_part_at_high_frequency_and_hardly_at_low():
+    def share(frequency):
+        """When they part, as a share of the time until they overturn."""
+        run = dem.simulate_assembly(column(2), growing(frequency), t_end=40.0, contact=STEADY)
+        (opened,) = (s.time for s in run.separations if (s.first, s.second) == ("lower block", "upper block"))
+        return opened / run.overturning_time
+
+    # The same paper: at low frequency the column loses stability as one block; the higher the frequency the longer the
+    # two rock as separate blocks before.
+    assert math.isnan(share(1.0))
+    assert share(4.0) < share(3.0) < 0.8
+
+
+def test_an_interface_opens_when_its_rotation_passes_the_given_one():
+    run = dem.simulate_assembly(
+        column(2), growing(3.0), t_end=8.0, contact=STEADY, criteria=dem.Criteria(rotation=0.01, gap=1.0),
+        watch_every=1,
+        save_every=1,
+    )  # fmt: skip
+    relative = np.abs(run.theta[:, 1] - run.theta[:, 0])
+    (opened,) = (s.time for s in run.separations if s.second == "upper block")
+    first = run.time[np.flatnonzero(relative > 0.01)[0]]
+    assert opened == pytest.approx(first, abs=1.5 * run.settings["dt"])
+
+
+def test_overturning_is_the_last_outward_passage_of_the_balance():
+    run = dem.simulate_assembly(dem.single(B, H, D, DENSITY), growing(1.0), t_end=10.0, contact=STEADY, save_every=1)
+    tilt = math.atan(B / H)
+    last = np.flatnonzero(np.abs(run.theta[:, 0]) < tilt)[-1]
+    share = np.interp(tilt, np.abs(run.theta[last : last + 2, 0]), run.time[last : last + 2])
+    assert run.overturned == "block"
+    assert run.overturning_time == pytest.approx(share, abs=1e-9)
+
+
+def test_a_block_that_is_pushed_off_falls_without_overturning():
+    slippery = dem.Contact(0.01, damping_ratio=0.3)
+    scene = dem.Assembly((dem.block(0.3, 0.2, 0.2, 6000.0), dem.block(0.3, 0.1, 0.2, 600.0, z=0.2).moving(vx=1.0)))
+    contacts = {("block", "block"): slippery, ("block", "table"): STEADY}
+    run = dem.simulate_assembly(scene, t_end=3.0, contact=contacts, criteria=dem.Criteria(stop="never"))
+    assert [fall.body for fall in run.falls] == [1]
+    assert run.ending is dem.Ending.REACHED_END
+
+
+def test_friction_is_that_of_the_pair_of_materials():
+    scene = dem.Assembly(
+        (
+            dem.block(0.3, 0.1, 0.2, 600.0, material="wood").moving(vx=1.0),
+            dem.block(0.3, 0.1, 0.2, 600.0, x=2.0, material="ice").moving(vx=1.0),
+        )
+    )
+    contacts = {
+        ("wood", "table"): dem.Contact(0.5, damping_ratio=0.3),
+        ("table", "ice"): dem.Contact(0.25, damping_ratio=0.3),
+        ("ice", "wood"): STEADY,
+    }
+    run = dem.simulate_assembly(scene, t_end=1.0, contact=contacts)
+    # v^2/(2 mu g); the stop within the shear springs, about mu m g/ks = 1e-6 m.
+    assert run.x[-1] - run.x[0] == pytest.approx([1.0 / (2 * 0.5 * G), 1.0 / (2 * 0.25 * G)], rel=2e-3)
+
+
+def test_chosen_bodies_and_samples_are_kept_and_labelled():
+    arguments = {"t_end": 1.0, "contact": STEADY, "save_every": 100}
+    run = dem.simulate_assembly(column(3), growing(3.0), keep=[2, "lower block"], **arguments)
+    assert run.names == ("upper block", "lower block")
+    ds = run.to_xarray()
+    assert set(ds.dims) == {"time", "body", "interface"}
+    assert list(ds.body.values) == ["upper block", "lower block"]
+    assert ds.theta.dims == ("time", "body") and ds.theta.units == "rad" and ds.energy_base_work.units == "J"
+    assert all("long_name" in ds[name].attrs and "units" in ds[name].attrs for name in ds.data_vars)
+    assert ds.attrs["ending"] == "REACHED_END"
+    everything = dem.simulate_assembly(column(3), growing(3.0), **arguments)
+    assert np.array_equal(everything.theta[:, [2, 0]], run.theta)
+
+
+def test_chunks_and_room_for_lists_leave_no_trace(monkeypatch):
+    scene = dem.running_bond(4, 3)
+    arguments = {"t_end": 0.5, "contact": STEADY, "criteria": dem.Criteria(stop="never")}
+    whole = dem.simulate_assembly(scene, growing(3.0, 3.0), **arguments)
+    monkeypatch.setattr(run_module.Run, "_chunk", lambda self: 97)
+    setup = importlib.import_module("dem.assembly_setup")
+    monkeypatch.setattr(setup, "room_for", lambda assembly: setup.Room(4, 4, 4))
+    pieces = dem.simulate_assembly(scene, growing(3.0, 3.0), **arguments)
+    # Settling is looked at between chunks, so it ends a little earlier or later.
+    assert pieces.theta == pytest.approx(whole.theta, abs=1e-9)
+
+
+def test_an_interrupt_keeps_what_was_computed():
+    def motion(t):
+        if t[0] > 0.5:
+            raise KeyboardInterrupt
+        return np.zeros_like(t), np.zeros_like(t)
+
+    run = dem.simulate_assembly(column(2), motion, t_end=20.0, contact=STEADY, save_every=10)
+    assert run.ending is dem.Ending.INTERRUPTED
+    assert 0.0 < run.end_time < 20.0 and run.time.size > 100
+    assert np.all(np.diff(run.time) > 0.0)
+
+
+def test_progress_is_told_and_shown(capsys):
+    heard = []
+    dem.simulate_assembly(column(2), t_end=4.0, contact=STEADY, progress=heard.append)
+    assert heard[-1] == pytest.approx(4.0, abs=1e-3) and len(heard) > 1
+    dem.simulate_assembly(column(2), t_end=0.1, contact=STEADY, progress=True)
+    assert "0.10 s" in capsys.readouterr().err
+
+
+def test_a_run_that_blows_up_names_the_body_and_the_speed(monkeypatch):
+    monkeypatch.setattr(simulate_module, "assembly_critical_step", lambda *_: math.inf)
+    run = dem.simulate_assembly(
+        column(2), growing(2.0), t_end=5.0, dt=1.5e-3, contact=dem.Contact(0.8, damping_ratio=1.0), settle=False
+    )  # fmt: skip
+    assert run.ending is dem.Ending.UNSTABLE
+    assert "block (number" in run.reason and "speed =" in run.reason and f"t = {run.end_time:.6g} s" in run.reason
+    assert run.time.size > 1
+
+
+def test_a_body_that_leaves_the_scene_is_named():
+    run = dem.simulate_assembly(
+        dem.Assembly((dem.block(B, H, D, DENSITY).moving(vx=3.0),)), t_end=5.0, contact=dem.Contact(0.0,
+        damping_ratio=0.1), criteria=dem.Criteria(margin=1.0),
+    )  # fmt: skip
+    assert run.ending is dem.Ending.LEFT
+    assert "body 0 (number 0), x = 1.0" in run.reason
+    # The centroid is then 1 m beyond where the block's side was.
+    assert run.end_time == pytest.approx((1.0 + 0.5 * B) / 3.0, abs=1e-3)
+
+
+# Largest eigenvalue, kn = ks = 1.98e7 N/m: Block 3 alone 5.4e-4 s, in columns of two and three 3.7e-4 and 3.4e-4 s.
+@pytest.mark.parametrize(("count", "expected"), [(1, 5.4e-4), (2, 3.7e-4), (3, 3.4e-4)])
+def test_critical_step_of_a_column(count, expected):
+    assert dem.assembly_critical_step(column(count), dem.Contact(1.0, damping=0.0)) == pytest.approx(
+        expected, abs=0.05e-4
+    )
+
+
+@pytest.mark.parametrize("name", ["three", "masonry", "arch", "stones"])
+@pytest.mark.parametrize("xi", [0.0, 0.3])
+def test_runs_just_below_the_critical_step_stay_bounded_and_just_above_grow(monkeypatch, name, xi):
+    scene, contact = SCENES[name], dem.Contact(math.inf, damping_ratio=xi)
+    stability = importlib.import_module("dem.assembly_stability")
+    table = scene.contact_table(contact)
+    numbers = np.array([table.names.index(material) for material in scene.materials])
+    together = stability._together(scene, table, numbers)
+    assert dem.assembly_critical_step(scene, contact) <= together
+    monkeypatch.setattr(simulate_module, "assembly_critical_step", lambda *_: math.inf)
+
+    def tremor(share):
+        """Growth of a tremor of 1e-9 m/s about the settled state."""
+        dt = share * together
+        settings = {"dt": dt, "settle": 1.0, "save_every": 1, "watch_every": 10**6, "workers": 1, "onset": "located",
+                    "coulomb": "total", "g": G, "pitch_about_x": 0.0, "pitch_about_z": 0.0}  # fmt: skip
+        kept = tuple(range(len(scene.bodies)))
+        run = run_module.Run(scene, table, dem.ContactJudgement(), dem.Criteria(), settings, 3000, kept)
+        run.dt = 0.2 * together
+        run.settle()
+        run.dt = dt
+        run.bodies[run_module.SPEEDS, : len(kept)] += 1e-9 * np.random.default_rng(1).standard_normal((3, len(kept)))
+        history = run.through(None, False)
+        return np.abs(history.vx[-100:]).max() / 1e-9
+
+    assert tremor(0.99) < 100.0
+    if name != "arch":  # some of its joints are open at one end, so that it stands a larger step
+        assert tremor(1.01) > 1e3
+
+
+def test_a_step_above_the_critical_one_is_refused_with_the_limit():
+    limit = dem.assembly_critical_step(column(2), STEADY)
+    with pytest.raises(ValueError, match=rf"dt=0\.001 s: want a step below {limit:.6g} s"):
+        dem.simulate_assembly(column(2), t_end=1.0, contact=STEADY, dt=1e-3)
+
+
+SQUARE = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+OFFSET = np.array(SQUARE) + np.array([0.5, 0.2])
+LOW = np.array(SQUARE) - np.array([0.0, 0.1])
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: dem.bodies_of([SQUARE, [[0, 0], [1, 0], [0.2, 0.2], [0, 1]]], 1.0, 1.0), "^body 1: .*convex"),
+        (lambda: dem.bodies_of([SQUARE, [[2, 0], [3, 0], [4, 0]]], 1.0, 1.0), "^body 1: .*convex"),
+        (lambda: dem.bodies_of([[[0, 0], [1, 0], [math.nan, 1]]], 1.0, 1.0), "^body 0: .*finite"),
+        (lambda: dem.bodies_of([SQUARE], 0.0, 1.0), "^body 0: depth=0.0"),
+        (lambda: dem.Assembly(()), "^bodies=.*at least one"),
+        (lambda: dem.Assembly(dem.bodies_of([SQUARE, OFFSET], 1, 1)), "^body 0 and body 1 overlap by 0.5"),
+        (lambda: dem.Assembly(dem.bodies_of([SQUARE], 1, 1), (dem.wall(OFFSET),)), "^body 0 and wall 0 overlap"),
+        (lambda: dem.Assembly(dem.bodies_of([LOW], 1, 1)), "^body 0 is 0.1 m in the floor"),
+        (lambda: dem.Assembly((dem.block(1, 1, 1, 1).moving(vx=math.nan),)), "^body 0: vx=nan"),
+        (lambda: dem.Contact(-0.1, damping=0.0), "^mu=-0.1"),
+        (lambda: dem.Contact(0.5), "want exactly one"),
+        (lambda: dem.Contact(0.5, damping=-1.0), "^damping=-1.0"),
+        (lambda: dem.Criteria(stop="soon"), "^stop='soon'"),
+        (lambda: dem.Criteria(gap=0.0), "^gap=0.0 m"),
+        (lambda: dem.ContactJudgement(facing=1.0), "^facing=1.0 rad"),
+        (lambda: dem.ContactJudgement(reach=-1.0), "^reach=-1.0 m"),
+        (lambda: dem.column(0, B, H, D, DENSITY), "^count=0"),
+        (lambda: dem.column(2, B, H, D, DENSITY, wall_gap=-0.1), "^wall_gap=-0.1 m"),
+        (lambda: dem.arch(10, 3.0), "^thickness=3.0 m"),
+        (lambda: dem.bookshelf(100), "^books=100"),
+    ],
+)  # fmt: skip
+def test_bad_scenes_are_refused_with_the_number_of_the_body(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+def spoilt(t):
+    values = np.zeros_like(t)
+    values[3:] = math.nan
+    return values, np.zeros_like(t)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"t_end": 0.0}, "^t_end=0.0 s"),
+        ({"dt": -1.0}, "^dt=-1.0 s"),
+        ({"g": -1.0}, "^g=-1.0"),
+        ({"onset": "late"}, "^onset='late': want 'located', 'overlap' or 'incremental'"),
+        ({"coulomb": "sum"}, "^coulomb='sum': want 'total' or 'spring'"),
+        ({"save_every": 0}, "^save_every=0"),
+        ({"workers": 0}, "^workers=0"),
+        ({"keep": ["roof"]}, "^keep: 'roof'"),
+        ({"keep": [2]}, "^keep: 2: want the number or name of one of the 2 bodies"),
+        ({"contact": {("block", "block"): STEADY}}, "say nothing of 'block' on 'table'"),
+        ({"pitch_about": (math.nan, 0.0)}, "^pitch_about x=nan"),
+        ({"motion": spoilt}, r"a_x=nan m/s\^2 at t="),
+        ({"judgement": dem.ContactJudgement(skin=1e-5)}, "^skin=1e-05 m: want at least"),
+        ({"judgement": dem.ContactJudgement(update_after=0.1)}, "^update_after=0.1 m: want at most"),
+    ],
+)
+def test_bad_arguments_are_refused_by_name(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        dem.simulate_assembly(column(2), **{"t_end": 0.1, "contact": STEADY, **arguments})
+
+
+def test_an_assembly_that_does_not_stand_is_refused_by_name():
+    tall = dem.Assembly((dem.block(0.1, 0.5, 0.2, DENSITY, tilt=0.4, name="leaning"),))
+    with pytest.raises(ValueError, match=r"^leaning \(number 0\) does not come to rest"):
+        dem.simulate_assembly(tall, t_end=0.1, contact=STEADY)
