@@ -88,7 +88,16 @@ def _pitch_as_below(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
     return _inner_pitch(xp, t, par[:_split])
 
 
-def sampled_step(motion: BaseMotion, span: tuple[float, float]) -> float:
+MARGIN = 32
+"""Samples beyond the span on either side that a table keeps, after which its spline does not feel that it ends."""
+
+
+def _extent(motion: BaseMotion, span: tuple[float, float]) -> tuple[float, float]:
+    """From where the motion or the span begins [s] to where the later of them ends."""
+    return min(span[0], *motion.breakpoints, span[0]), max(span[1], *motion.breakpoints, span[1])
+
+
+def _step(motion: BaseMotion, length: float) -> float:
     """Time between samples [s] that follow the motion: its own where it has samples, else a fifth of its longest step.
 
     A motion without any scale of time is followed in 2,000 samples.
@@ -97,28 +106,47 @@ def sampled_step(motion: BaseMotion, span: tuple[float, float]) -> float:
     if own is not None:
         return float(own)
     if isinstance(motion, AlteredMotion):
-        return sampled_step(motion.below, span)
-    return min(motion.max_step / 5.0, (span[1] - span[0]) / 2000.0)
+        return _step(motion.below, length)
+    return min(motion.max_step / 5.0, length / 2000.0)
 
 
-def samples_of(motion: BaseMotion, span: tuple[float, float]) -> tuple[float, NDArray[np.float64]]:
-    """(time step [s], a_x [m/s^2] from the start of the span to its end, shape (time,))."""
-    step = sampled_step(motion, span)
-    t = span[0] + step * np.arange(int(np.ceil((span[1] - span[0]) / step - 1e-9)) + 1)
+def samples_of(motion: BaseMotion, span: tuple[float, float]) -> tuple[float, float, NDArray[np.float64]]:
+    """(time of the first sample [s], time step [s], a_x [m/s^2] of the whole motion and span, shape (time,)).
+
+    What is made of them for a run then does not depend on when the run ends.
+    """
+    start, end = _extent(motion, span)
+    step = _step(motion, end - start)
+    t = start + step * np.arange(max(4, int(np.ceil((end - start) / step - 1e-9)) + 1))
     a_x, _ = motion.kernel(np, t, np.asarray(motion.parameters, dtype=np.float64))
-    return step, a_x + np.zeros_like(t)
+    return start, step, a_x + np.zeros_like(t)
 
 
-def table(start: float, step: float, *columns: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Samples as numbers of a formula: [start, step, count, then (value, slope) of each column by turns].
+def moving_part(a: NDArray[np.float64]) -> slice:
+    """From the first sample that is not zero to the last; all of them if there are fewer than three between.
+
+    A rest that is added before or after a motion then changes nothing within it.
+    """
+    moving = np.flatnonzero(a)
+    few = moving.size == 0 or moving[-1] - moving[0] < 2
+    return slice(0, a.size) if few else slice(int(moving[0]), int(moving[-1]) + 1)
+
+
+def table(span: tuple[float, float], start: float, step: float, *columns: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Samples over the span as numbers of a formula: [start, step, count, then (value, slope) of each column by turns].
 
     Slopes are those of the cubic spline through the samples.
     """
     from scipy.interpolate import CubicSpline
 
-    t = step * np.arange(len(columns[0]))
-    parts = [np.column_stack([c, CubicSpline(t, c)(t, 1)]).ravel() for c in columns]
-    return np.concatenate([[start, step, len(columns[0])], *parts])
+    first = max(0, int((span[0] - start) / step) - MARGIN)
+    inside = slice(first, int((span[1] - start) / step) + MARGIN)
+    parts = []
+    for column in columns:
+        values = column[inside]
+        slopes = CubicSpline(step * np.arange(values.size), values)(step * np.arange(values.size), 1)
+        parts.append(np.column_stack([values, slopes]).ravel())
+    return np.concatenate([[start + first * step, step, columns[0][inside].size], *parts])
 
 
 def _whole(xp: Any, x: Any) -> Any:

@@ -5,7 +5,8 @@ Adds        pitch = per_acceleration a_x + per_displacement d_x, with its accele
 Parameters  per_acceleration [rad/(m/s^2)], per_displacement [rad/m]; 0 where they are absent
 Use when    a table has a compliant guide, an overturning moment of its own, or a guide that is not straight
 Limits      quasi-static: in phase at all frequencies.  The acceleration behind per_acceleration is low-passed at 25 Hz,
-            as its second derivative would be noise; displacement is the record integrated twice above 0.1 Hz
+            as its second derivative would be noise; displacement is the record integrated twice above 0.1 Hz, so
+            that a drift of the record within some seconds is taken for a displacement
 Source      own derivation of what a pitch does to a block: `rocking.composed`
 Status      pitch of a sinusoid and its acceleration against their formulas (tests)
 """
@@ -18,7 +19,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from rocking.altered import AlteredMotion, samples_of, table, table_value
+from rocking.altered import AlteredMotion, moving_part, samples_of, table, table_value
 from rocking.effect import Effect
 from rocking.motion import BaseMotion
 
@@ -27,9 +28,6 @@ LOW_PASS = 25.0
 
 HIGH_PASS = 0.1
 """Frequency [Hz] at which the displacement is passed by half; fourth order."""
-
-PADDING = 4.0
-"""Seconds on either side over which the record is led to zero."""
 
 _inner_pitch: Any = None
 _split: Any = None
@@ -44,18 +42,24 @@ def _with_table(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
 def filtered(a: NDArray[np.float64], step: float) -> tuple[NDArray[np.float64], ...]:
     """(low-passed acceleration, its second derivative, displacement) of the samples, shape (time,) each.
 
-    Acausal, by Fourier transform of the record, which is led to zero on either side.
+    Acausal, by sines over the length of the samples: beyond its ends the motion goes on as its own image in the end
+    point, so that neither a velocity that is left there nor a sample other than zero sets anything ringing.
     """
-    n = max(2, round(PADDING / step))
-    ramp = 0.5 - 0.5 * np.cos(np.pi * np.arange(n) / n)
-    padded = np.concatenate([a[0] * ramp, a, a[-1] * ramp[::-1]])
-    spectrum, f = np.fft.rfft(padded), np.fft.rfftfreq(padded.size, step)
+    from scipy.fft import dst, idst
+
+    part = moving_part(a)
+    whole, a = np.zeros((3, a.size)), a[part]
+    inner, line = slice(1, -1), np.linspace(a[0], a[-1], a.size)
+    f = 0.5 * np.arange(1, a.size - 1) / ((a.size - 1) * step)
     omega2 = (2.0 * np.pi * f) ** 2
-    low = spectrum / (1.0 + (f / LOW_PASS) ** 4)
-    high = 1.0 / (1.0 + (HIGH_PASS / np.maximum(f, 1e-30)) ** 4)
-    displacement = np.where(f > 0.0, -spectrum * high / np.maximum(omega2, 1e-30), 0.0)
-    parts = (low, -omega2 * low, displacement)
-    return tuple(np.fft.irfft(part, padded.size)[n : n + a.size] for part in parts)
+    low = dst((a - line)[inner], 1) / (1.0 + (f / LOW_PASS) ** 4)
+    high = 1.0 / (1.0 + (HIGH_PASS / f) ** 4)
+    smooth, curvature, displacement = whole[:, part]
+    smooth[:] = line
+    smooth[inner] += idst(low, 1)
+    curvature[inner] = idst(-omega2 * low, 1)
+    displacement[inner] = idst(-dst(a[inner], 1) * high / omega2, 1)
+    return tuple(whole)
 
 
 @dataclass(frozen=True)
@@ -71,10 +75,10 @@ class TablePitch(Effect):
 
     def base_motion(self, motion: BaseMotion, span: tuple[float, float], g: float) -> BaseMotion:
         """The motion with the pitch added."""
-        step, a_x = samples_of(motion, span)
+        start, step, a_x = samples_of(motion, span)
         smooth, curvature, displacement = filtered(a_x, step)
         angle = self.per_acceleration * smooth + self.per_displacement * displacement
         acceleration = self.per_acceleration * curvature + self.per_displacement * a_x
-        numbers = table(span[0], step, angle, acceleration)
+        numbers = table(span, start, step, angle, acceleration)
         label = f"pitch {self.per_acceleration:g} rad/(m/s^2), {self.per_displacement:g} rad/m"
         return AlteredMotion(motion, numbers, pitch=_with_table, max_step=step, label=label)

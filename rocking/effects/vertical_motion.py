@@ -18,7 +18,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from rocking.altered import AlteredMotion, samples_of, table, table_value
+from rocking.altered import AlteredMotion, moving_part, samples_of, table, table_value
 from rocking.effect import Effect
 from rocking.motion import BaseMotion
 
@@ -40,11 +40,13 @@ def second_harmonics(a: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArr
     """(A cos(2 phi), A sin(2 phi)) of the analytic signal A exp(i phi) of the samples, shape (time,)."""
     from scipy.signal import hilbert
 
-    padded = np.concatenate([np.zeros_like(a), a, np.zeros_like(a)])
-    signal = hilbert(padded)[a.size : 2 * a.size]
+    part = moving_part(a)
+    count = part.stop - part.start
+    signal = hilbert(np.concatenate([np.zeros(count), a[part], np.zeros(count)]))[count : 2 * count]
     amplitude = np.maximum(np.abs(signal), np.finfo(float).tiny)
-    double = signal**2 / amplitude
-    return np.ascontiguousarray(double.real), np.ascontiguousarray(double.imag)
+    cosine, sine = np.zeros((2, a.size))
+    cosine[part], sine[part] = (signal**2 / amplitude).real, (signal**2 / amplitude).imag
+    return cosine, sine
 
 
 @dataclass(frozen=True)
@@ -66,8 +68,8 @@ class VerticalMotion(Effect):
         label = f"vertical motion {self.ratio:g}, {self.second_harmonic_ratio:g}, {self.second_harmonic_quadrature:g}"
         if self.second_harmonic_ratio == 0.0 and self.second_harmonic_quadrature == 0.0:
             return AlteredMotion(motion, [self.ratio], kernel=_coupled, label=label)
-        step, a_x = samples_of(motion, span)
+        start, step, a_x = samples_of(motion, span)
         cosine, sine = second_harmonics(a_x)
         harmonic = self.second_harmonic_ratio * cosine + self.second_harmonic_quadrature * sine
-        numbers = np.concatenate([[self.ratio], table(span[0], step, harmonic)])
+        numbers = np.concatenate([[self.ratio], table(span, start, step, harmonic)])
         return AlteredMotion(motion, numbers, kernel=_with_harmonic, max_step=step, label=label)
