@@ -1,0 +1,71 @@
+"""Sliding and bouncing are Method 2 with their numbers: the same runs, bit for bit."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from excitation import RampedSinusoid
+from rocking import Block, Method1, Method2, Mode, solve
+from rocking.effects import compose, parse
+
+BLOCK = Block(b=0.3, h=0.8)
+MOTION = RampedSinusoid(3.0, 3.0, 12.0)
+
+
+def same(texts: list[str], method: Method1, other: Method2, **options: Any) -> Any:
+    run = solve(method, MOTION, t_end=2.5, effects=parse(texts), **options)
+    truth = solve(other, MOTION, t_end=2.5, **options)
+    np.testing.assert_array_equal(run.y, truth.y)
+    np.testing.assert_array_equal(run.events.t, truth.events.t)
+    np.testing.assert_array_equal(run.mode, truth.mode)
+    return run
+
+
+@pytest.mark.parametrize("solver", ["scipy", "numba"])
+@pytest.mark.parametrize("friction", [0.15, 0.35, 1.0])
+def test_sliding_is_method_2_with_that_friction(solver: str, friction: float) -> None:
+    run = same([f"sliding.friction={friction}"], Method1(BLOCK), Method2(BLOCK, friction=friction), solver=solver)
+    if friction == 0.15:
+        assert Mode.SLIDE in run.mode
+
+
+def test_bouncing_is_method_2_with_that_normal_restitution() -> None:
+    other = Method2(BLOCK, friction=0.6, normal_restitution=0.4)
+    texts = ["bouncing.normal_restitution=0.4", "bouncing.friction=0.6"]
+    run = same(texts, Method1(BLOCK), other, theta=0.2)
+    assert Mode.ROTATION_JUMP in run.events.mode_after
+
+
+def test_gravity_rest_speed_and_restitution_go_along() -> None:
+    method = Method1(BLOCK, restitution=0.97, g=9.6, rest_speed=1e-4)
+    law: Any = {"impact_law": "two_corner", "restitution": 0.97, "g": 9.6, "rest_speed": 1e-4}
+    same(["sliding.friction=0.8"], method, Method2(BLOCK, friction=0.8, **law), theta=0.2)
+    other = Method2(BLOCK, friction=0.8, normal_restitution=0.2, **law)
+    same(["bouncing.friction=0.8", "bouncing.normal_restitution=0.2"], method, other, theta=0.2)
+
+
+def test_effects_on_the_base_go_with_the_modes() -> None:
+    run = solve(Method1(BLOCK), MOTION, t_end=2.0, effects=parse(["sliding.friction=0.2", "base_tilt.angle=0.05"]))
+    # On a floor that falls to +x friction gives way first in that direction.
+    assert run.system.name == "method2"
+    assert run.y[-1, 0] > 0.0
+
+
+@pytest.mark.parametrize(
+    ("text", "restitution", "message"),
+    [
+        ("sliding.friction=0.8", 0.7, "restitution=0.7"),
+        ("sliding.friction=1.5", None, "friction=1.5 .*want below 4/3"),
+        ("bouncing.friction=0.01", 0.97, "friction"),
+    ],
+)
+def test_what_method_2_refuses_is_refused(text: str, restitution: float | None, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        compose(Method1(BLOCK, restitution=restitution), parse([text]))
+
+
+def test_friction_without_limit_never_slides() -> None:
+    run = solve(Method1(BLOCK), MOTION, t_end=1.5, theta=0.1, effects=parse([f"sliding.friction={math.inf}"]))
+    assert not {Mode.SLIDE, Mode.SLIDE_ROTATION} & set(run.mode.tolist())
