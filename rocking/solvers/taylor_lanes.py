@@ -52,13 +52,16 @@ def look_up(t, c, x, v, tau, k, reach, x_end, v_end):
     top = most(x, x_end)
     peak = most(load(t, row.PEAK), top)
     turns = (v > 0.0) & (v_end < 0.0) & (top + load(t, row.BULGE) > load(t, row.PEAK))
-    if bits(turns) != 0:
-        at = newton(differentiated(c), reach, turns)
-        peak = most(peak, value(c, where(turns, at, 0.0)))
     alpha, start = load(t, row.ALPHA), load(t, row.ORIGIN) + fma(k, load(t, row.DT), tau)
-    passes = (x < alpha) & (x_end >= alpha)
+    passes, until = (x < alpha) & (x_end >= alpha), reach
+    if bits(turns) != 0:
+        at = where(turns, newton(differentiated(c), reach, turns), 0.0)
+        crest = value(c, at)
+        peak = most(peak, crest)
+        beyond = turns & (x < alpha) & (crest >= alpha)  # though it may have come back by the end of the step
+        passes, until = passes | beyond, where(beyond, at, reach)
     if bits(passes) != 0:
-        at = newton(less(alpha, c), reach, passes)
+        at = newton(less(alpha, c), until, passes)
         store(t, row.PASSAGE, where(passes, start + at, load(t, row.PASSAGE)))
         store(t, row.PASSED, where(passes, at, load(t, row.PASSED)))
         store(t, row.EVENTS, where(passes, load(t, row.EVENTS) + 1.0, load(t, row.EVENTS)))
