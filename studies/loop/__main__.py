@@ -10,6 +10,7 @@ import argparse
 import sys
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from studies.campaigns import CampaignError, read
@@ -39,7 +40,7 @@ def _close(arguments: argparse.Namespace) -> None:
     tell = _Progress(arguments.quiet)
     finding = close(campaign, g=arguments.gravity, tell=tell)
     write_model(finding.before, folder / "baseline.toml", campaign.title)
-    write_model(finding.after, folder / "model.toml", campaign.title)
+    write_model(replace(finding.after, number=len(campaign.tests)), folder / "model.toml", campaign.title)
     content = as_json(finding, "")
     write_finding(content, folder / "loop.json")
     print(f"{content['verdict']}: {', '.join(content['effects']) or 'no effect'}; held-out error "

@@ -31,8 +31,15 @@ class Candidate:
     in_swings: bool = True  # whether swings show it; else whole records alone do
     extra: bool = False  # a form that is tried only where nothing simpler explains the data
 
+    @property
+    def nothing(self) -> dict[str, float]:
+        """Its own parameters at zero: absent, for those of a learned term."""
+        return {p.name: 0.0 for p in self.parameters}
+
     def absent(self, block: DeclaredBlock) -> dict[str, float]:
         """Full names and values of the parameters at which it is not there."""
+        if all("." not in p.name for p in self.parameters):
+            return self.nothing
         values = load(self.effect).absent(_block(block))
         return {f"{self.effect}.{name}": value for name, value in values.items()} | dict(self.fixed)
 

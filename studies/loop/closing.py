@@ -15,11 +15,13 @@ from numpy.typing import NDArray
 
 from studies.campaigns import Campaign, CampaignError, motion_groups
 from studies.campaigns.signals import noise as estimated_noise
-from studies.loop.fitting import Fit, fit, residuals
+from studies.loop.candidates import Candidate
+from studies.loop.fitting import Fit, Parameter, fit, residuals, robust_covariance
+from studies.loop.learning import LEARNED, learn
 from studies.loop.model import LoopModel
 from studies.loop.simulation import Answer, Job, Simulator
 from studies.loop.spread import floor, redrawn, variances, weighed
-from studies.loop.tracing import LEAST_GAIN, E, Round, Trial, all_candidates, baseline, bic, pays, search
+from studies.loop.tracing import LEAST_GAIN, PAYS, E, Round, Trial, all_candidates, baseline, bic, pays, search
 from studies.loop.windows import Record, Window, record_of, swing_windows, whole_windows
 
 Array = NDArray[np.float64]
@@ -36,6 +38,12 @@ TWIN = 12.0
 
 NEAR_TWIN = 400.0
 """Rivals within this after the search are fitted again to the end before they are ruled out."""
+
+STRUCTURE = 1.08
+"""Rms over the noise in the swings from which structure is left; the states of a window take some of the noise up."""
+
+UNEXPLAINED = 1.3
+"""And from which it is too much to speak of an effect even where nothing can be learned."""
 
 FEWEST_WINDOWS = 8
 """Half-swings below which a campaign supports no finding."""
@@ -203,6 +211,74 @@ def _still_fits(setup: Setup, trial: Trial, model: LoopModel) -> bool:
     return there.chi2 - trial.swing.chi2 < 30.0 + 0.01 * trial.swing.chi2
 
 
+@dataclass(frozen=True)
+class Settled:
+    """The parameters that swings and whole records agree on, with their covariance."""
+
+    whole: Fit  # whole records with these parameters, leans fitted
+    names: tuple[str, ...]
+    covariance: Array
+
+
+def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
+    """Estimates from swings and from whole records put together, each by its robust covariance.
+
+    Whole records are the sharper the longer they run, and the more the noise of the base sensor is in them.
+    """
+    parameters = [E, *trial.parameters]
+    names = tuple(p.name for p in parameters)
+    fits = [f for f in (trial.swing, whole) if f.parameters]
+    covariances = [robust_covariance(setup.simulator, setup.noisy, f) for f in fits]
+    scale = np.array([p.scale * (f_value if p.log else 1.0) for p, f_value in _at(parameters, whole.model)])
+    total, weighted = np.zeros((len(names), len(names))), np.zeros(len(names))
+    for found, covariance in zip(fits, covariances, strict=True):
+        # Parameters that a fit does not have, or does not show, have no information in it.
+        own = [names.index(p.name) for p in found.parameters]
+        seen = [k for k in range(len(own)) if covariance[k, k] > 0.0]
+        at = np.array([own[k] for k in seen], dtype=int)
+        part = covariance[np.ix_(seen, seen)] / np.outer(scale[at], scale[at])
+        information = np.linalg.pinv(part, rcond=1e-14)
+        total[np.ix_(at, at)] += information
+        weighted[at] += information @ (np.array([found.model.get(names[k]) for k in at]) / scale[at])
+    joint = np.linalg.pinv(total, rcond=1e-14)
+    both = scale * (joint @ weighted)
+    known = {p.name: min(max(float(v), p.low), p.high) for p, v in zip(parameters, both, strict=True)}
+    model = whole.model.changed(known)
+    leans = fit(setup.simulator, model, [], whole.windows, huber=10.0, iterations=4)
+    return Settled(leans, names, np.asarray(joint * np.outer(scale, scale), dtype=np.float64))
+
+
+def _at(parameters: Sequence[Parameter], model: LoopModel) -> list[tuple[Parameter, float]]:
+    return [(p, abs(model.get(p.name))) for p in parameters]
+
+
+def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Trial | None:
+    """The best of the effects that whole records alone show, or None if it does not pay.
+
+    Such an effect acts at lift-off; its sum of squares is rugged, so that it is scanned over its range first.
+    """
+    best: tuple[float, Candidate, dict[str, float]] | None = None
+    for candidate in pool:
+        if candidate.in_swings or candidate.effect in onto.effects:
+            continue
+        for start in candidate.starts:
+            model = whole.model.changed(start)
+            found = fit(setup.simulator, model, [], whole.windows, huber=10.0, iterations=2)
+            if best is None or found.chi2 < best[0]:
+                best = (found.chi2, candidate, dict(start))
+    if best is None or whole.chi2 - best[0] < PAYS * max(1.0, best[0] / whole.samples):
+        return None
+    _, candidate, start = best
+    ended = fit(
+        setup.simulator, whole.model.changed(start), candidate.parameters, whole.windows, huber=10.0, iterations=8
+    )
+    value = {p.name: ended.model.get(p.name) for p in candidate.parameters}
+    swing = fit(
+        setup.simulator, onto.swing.model.changed(value), [E, *onto.parameters], onto.swing.windows, iterations=3
+    )
+    return Trial((*onto.names, candidate.name), (*onto.parts, candidate), swing)
+
+
 def close(campaign: Campaign, *, g: float = GRAVITY, tell: Tell = lambda text: None) -> Finding:
     """Close the loop on a campaign with rotation records.
 
@@ -218,38 +294,63 @@ def close(campaign: Campaign, *, g: float = GRAVITY, tell: Tell = lambda text: N
     declared = _declared(campaign, g)
     tell("calibrating the ideal block")
     plain = baseline(setup.simulator, declared, setup.swings)
-    current, rounds, fits = plain, [], [whole_fit(setup, plain)]
-    pool = all_candidates(declared)
-    path = [plain]
-    for depth in range(MOST_EFFECTS):
-        tell(f"tracing, round {depth + 1}")
-        tried = search(setup.simulator, current, pool, tell)
-        best = tried.best
-        rounds.append(tried)
-        if best is None or not pays(current.swing, best.swing):
-            break
-        now = whole_fit(setup, best)
-        before = _rms_under(setup, fits[-1], now)
-        if not now.rms < (1.0 - LEAST_GAIN) * before:
-            break
-        current = best
-        path.append(best)
-        fits.append(now)
+    path, rounds, fits = _traced(setup, plain, tell)
     tell("comparing rivals")
     rivals = _rivals(setup, rounds[len(path) - 2], path[-1], fits[-1]) if len(path) > 1 else ()
     if rivals:
-        current, fits[-1] = rivals[0].trial, rivals[0].whole
-    twins = _twins(rivals)
-    models = {"declared": declared, "before": fits[0].model, "after": fits[-1].model}
-    windows = {"declared": setup.whole, "before": fits[0].windows, "after": fits[-1].windows}
+        path[-1], fits[-1] = rivals[0].trial, rivals[0].whole
+    chosen, verdict = _explained(setup, plain, path[-1], tell)
+    if chosen is not path[-1]:
+        rivals, fits = (), [*fits, whole_fit(setup, chosen)]
+    before, after = settle(setup, plain, fits[0]), settle(setup, chosen, fits[-1])
+    models = {"declared": declared, "before": before.whole.model, "after": after.whole.model}
+    windows = {"declared": setup.whole, "before": before.whole.windows, "after": after.whole.windows}
     all_errors = {name: errors(setup, model, windows[name]) for name, model in models.items()}
-    spread = variances(setup.noisy, len(campaign.tests), fits[-1].model, setup.whole_held, _lean_sds(setup))
+    spread = variances(setup.noisy, len(campaign.tests), after.whole.model, setup.whole_held, _lean_sds(setup))
     floors = [floor(w, v) for w, v in zip(setup.whole_held, spread, strict=True)]
-    verdict: Verdict = "effect" if len(path) > 1 else "none"
     return Finding(
-        setup, verdict, declared, fits[0].model, fits[-1].model, fits[0], fits[-1], current, rivals, twins,
-        tuple(rounds), all_errors, _median(floors), intervals(current, fits[-1]), setup.notes,
+        setup, verdict, declared, models["before"], models["after"], before.whole, after.whole, chosen, rivals,
+        _twins(rivals), tuple(rounds), all_errors, _median(floors), intervals(chosen, after), setup.notes,
     )  # fmt: skip
+
+
+def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[Round], list[Fit]]:
+    """The trials that were accepted one on top of the other, all rounds, and the fits on whole records."""
+    pool = all_candidates(plain.swing.model)
+    path, rounds, fits = [plain], [], [whole_fit(setup, plain)]
+    for depth in range(MOST_EFFECTS):
+        tell(f"tracing, round {depth + 1}")
+        tried = search(setup.simulator, path[-1], pool, tell)
+        best = tried.best
+        if best is None or not pays(path[-1].swing, best.swing):
+            tell("scanning whole records")
+            best = scan(setup, path[-1], fits[-1], pool)
+            tried.trials += [] if best is None else [best]
+        rounds.append(tried)
+        if best is None:
+            break
+        now = whole_fit(setup, best)
+        if not now.rms < (1.0 - LEAST_GAIN) * _rms_under(setup, fits[-1], now):
+            break
+        path.append(best)
+        fits.append(now)
+    return path, rounds, fits
+
+
+def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Trial, Verdict]:
+    """The trial to keep: the named effects if they leave nothing, else with what was learned of the rest."""
+    if named.swing.rms < STRUCTURE:
+        return named, "effect" if named.parts else "none"
+    tell("learning what no effect explains")
+    # A wrong effect may stand for something unnamed: learning starts from the calibrated block, and from the effects.
+    routes = [learn(setup.simulator, onto, tell) for onto in ([plain] if named is plain else [plain, named])]
+    best = min(routes, key=lambda t: bic(t.swing))
+    learned = any(part.effect == LEARNED for part in best.parts)
+    if not learned or bic(best.swing) > bic(named.swing) - PAYS:
+        return named, "unexplained" if named.swing.rms > UNEXPLAINED else "effect" if named.parts else "none"
+    if bic(routes[0].swing) < bic(best.swing) + PAYS:
+        best = routes[0]
+    return best, "unexplained"
 
 
 def _declared(campaign: Campaign, g: float) -> LoopModel:
@@ -262,7 +363,8 @@ def _declared(campaign: Campaign, g: float) -> LoopModel:
 
 
 def _lean_sds(setup: Setup) -> list[float]:
-    return [w.theta_sd for w in setup.whole_held]
+    # `theta_sd` is twice the standard deviation of the estimate.
+    return [0.5 * w.theta_sd for w in setup.whole_held]
 
 
 def _rms_under(setup: Setup, found: Fit, weights_of: Fit) -> float:
@@ -299,12 +401,12 @@ def _twins(rivals: Sequence[Rival]) -> tuple[tuple[str, ...], ...]:
     return (tuple(names),) if len(names) > 1 else ()
 
 
-def intervals(chosen: Trial, whole: Fit) -> dict[str, tuple[float, float, float]]:
-    """Value and 95 % interval of each parameter of the effects, from the information of the better fit."""
-    fitted = whole if len(whole.parameters) > 0 else chosen.swing
+def intervals(chosen: Trial, settled: Settled) -> dict[str, tuple[float, float, float]]:
+    """Value and 95 % interval of each parameter, with what the base sensor's noise does to it."""
+    bounds = {p.name: p for p in (*chosen.swing.parameters, *chosen.parameters)}
     out = {}
-    for k, p in enumerate(fitted.parameters):
-        value = fitted.model.get(p.name)
-        half = 1.96 * math.sqrt(max(float(fitted.covariance[k, k]), 0.0))
-        out[p.name] = (value, max(value - half, p.low), min(value + half, p.high))
+    for k, name in enumerate(settled.names):
+        value = settled.whole.model.get(name)
+        half = 1.96 * math.sqrt(max(float(settled.covariance[k, k]), 0.0))
+        out[name] = (value, max(value - half, bounds[name].low), min(value + half, bounds[name].high))
     return out

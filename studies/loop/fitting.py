@@ -166,44 +166,50 @@ def _prior(window: Window, free: list[int]) -> tuple[Array, Array]:
 
 
 @dataclass(frozen=True)
-class _Reduced:
-    """Normal equations of the parameters with the states eliminated, and what gives the states back."""
+class _Projected:
+    """One window with its states eliminated, and what gives them back."""
 
-    matrix: Array
-    gradient: Array
-    back: list[tuple[list[int], Array, Array]]  # free states, Q^T A and R^-1 by window, with Q^T r
+    A: Array  # derivatives by the parameters, less what the states can follow; shape (sample + prior, parameter)
+    r: Array  # residual, likewise
+    Q: Array  # orthonormal columns that the states can follow, shape (sample + prior, free)
+    free: list[int]  # which of the states are free
+    inverse: Array  # R^-1 of the states' derivatives
+    QA: Array
+    Qr: Array
 
 
-def _reduced(
-    lin: Linear, windows: Sequence[Window], weights: Array
-) -> tuple[Array, Array, list[tuple[list[int], Array, Array, Array]]]:
+def _projected(r: Array, A: Array, S: Array, window: Window, weight: float) -> _Projected:
+    free = _free(window)
+    rows, values = _prior(window, free)
+    A = np.vstack([A, np.zeros((len(values), A.shape[1]))])
+    r = np.concatenate([r, values / math.sqrt(weight)])
+    if not free:
+        nothing = np.zeros((r.size, 0))
+        return _Projected(A, r, nothing, free, np.zeros((0, 0)), np.zeros((0, A.shape[1])), np.zeros(0))
+    Q, R = np.linalg.qr(np.vstack([S[:, free], rows / math.sqrt(weight)]))
+    QA, Qr = Q.T @ A, Q.T @ r
+    return _Projected(A - Q @ QA, r - Q @ Qr, Q, free, np.linalg.pinv(R), QA, Qr)
+
+
+def _reduced(lin: Linear, windows: Sequence[Window], weights: Array) -> tuple[Array, Array, list[_Projected]]:
+    """Normal equations of the parameters with the states eliminated."""
     n = lin.by_parameters[0].shape[1] if lin.by_parameters else 0
-    matrix, gradient, back = np.zeros((n, n)), np.zeros(n), []
+    matrix, gradient, each = np.zeros((n, n)), np.zeros(n), []
     for r, A, S, w, weight in zip(lin.residuals, lin.by_parameters, lin.by_state, windows, weights, strict=True):
-        free = _free(w)
-        rows, values = _prior(w, free)
-        B = np.vstack([S[:, free], rows / math.sqrt(weight)])
-        A2, r2 = np.vstack([A, np.zeros((len(values), n))]), np.concatenate([r, values / math.sqrt(weight)])
-        if free:
-            Q, R = np.linalg.qr(B)
-            QA, Qr = Q.T @ A2, Q.T @ r2
-            A3, r3 = A2 - Q @ QA, r2 - Q @ Qr
-            back.append((free, np.linalg.pinv(R), QA, Qr))
-        else:
-            A3, r3 = A2, r2
-            back.append((free, np.zeros((0, 0)), np.zeros((0, n)), np.zeros(0)))
-        matrix += weight * (A3.T @ A3)
-        gradient += weight * (A3.T @ r3)
-    return matrix, gradient, back
+        part = _projected(r, A, S, w, weight)
+        matrix += weight * (part.A.T @ part.A)
+        gradient += weight * (part.A.T @ part.r)
+        each.append(part)
+    return matrix, gradient, each
 
 
-def _stepped(windows: Sequence[Window], back: list[tuple[list[int], Array, Array, Array]], step: Array) -> list[Window]:
+def _stepped(windows: Sequence[Window], each: Sequence[_Projected], step: Array) -> list[Window]:
     """The windows with the states that go with a step of the parameters."""
     out = []
-    for w, (free, inverse, QA, Qr) in zip(windows, back, strict=True):
+    for w, part in zip(windows, each, strict=True):
         change = np.zeros(2)
-        if free:
-            change[free] = -inverse @ (Qr + QA @ step)
+        if part.free:
+            change[part.free] = -part.inverse @ (part.Qr + part.QA @ step)
         limit = np.array([0.1, 1.0])
         change = np.clip(change, -limit, limit)
         out.append(w.moved(w.theta + change[0], w.omega + change[1]))
@@ -341,3 +347,47 @@ def gains(
         g = gradient[k:] - matrix[k:, :k] @ inverse @ gradient[:k]
         out[name] = float(g @ np.linalg.pinv(left, rcond=1e-10) @ g)
     return out
+
+
+def robust_covariance(simulator: Simulator, noisy: Simulator, found: Fit) -> Array:
+    """Covariance of the fitted parameters when base noise moves the responses too: the sandwich estimator.
+
+    Under the fitted model each record is answered again under redrawn base noise; what that does to the gradient is
+    put between two inverses of the information.  Windows are taken as independent.
+
+    Args:
+        simulator: of the fit.
+        noisy: of `spread.redrawn`, of the same tests.
+        found: the fit.
+
+    Returns:
+        Covariance in the outer scale, shape (parameter, parameter).
+    """
+    windows, model = found.windows, found.model
+    lin = linearised(simulator, model, found.parameters, windows)
+    weights = _weights(lin.residuals, HUBER)
+    matrix, _, each = _reduced(lin, windows, weights)
+    count = len(simulator.tests)
+    draws = len(noisy.tests) // count
+    jobs = _jobs(windows, 0) + [
+        Job(0, k * count + w.test, w.times, w.start, w.theta, w.omega) for k in range(draws) for w in windows
+    ]
+    runner = Simulator.joined(simulator, noisy)
+    shifted = [Job(0, job.test + (count if i >= len(windows) else 0), *_rest(job)) for i, job in enumerate(jobs)]
+    answers = runner.run([model], shifted)
+    meat, n = np.zeros_like(matrix), len(windows)
+    for i, (w, part, weight) in enumerate(zip(windows, each, weights, strict=True)):
+        sensor = (w.noise * w.weights) ** 2
+        own = part.A[: w.times.size]
+        meat += weight**2 * (own.T * sensor) @ own
+        for k in range(draws):
+            moved = (answers[(k + 1) * n + i].theta - answers[i].theta) * w.weights
+            g = weight * (own.T @ moved)
+            meat += np.outer(g, g) / draws
+    inverse = np.linalg.pinv(matrix)
+    scale = np.array([_slope(p, model.get(p.name)) for p in found.parameters])
+    return np.asarray(inverse @ meat @ inverse * np.outer(scale, scale), dtype=np.float64)
+
+
+def _rest(job: Job) -> tuple[Array, float, float, float]:
+    return job.times, job.start, job.theta, job.omega

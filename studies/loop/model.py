@@ -18,6 +18,8 @@ from rocking.motion import BaseMotion
 from studies.campaigns import DeclaredBlock
 
 RESTITUTION = "restitution"
+DRIFT = "restitution_drift"
+"""Full name of the change of restitution from one test to the next."""
 
 
 @dataclass(frozen=True)
@@ -27,14 +29,18 @@ class LoopModel:
     Args:
         declared: the block of the campaign.
         restitution: e of eq. (4) [1].
-        effects: parameters by name, by effect; a frozen view is kept.
+        effects: parameters by name, by effect.
         g: gravity [m/s^2].
+        drift: change of restitution from one test to the next, in the order in which they were done [1].
+        number: of the test [1], counted from the first of the campaign that was learned from.
     """
 
     declared: DeclaredBlock
     restitution: float
     effects: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     g: float = G_STANDARD
+    drift: float = 0.0
+    number: int = 0
 
     @cached_property
     def block(self) -> Block:
@@ -59,7 +65,16 @@ class LoopModel:
         Raises:
             ValueError: the effects do not go together, or a parameter is out of its range.
         """
-        return compose(Method1(self.block, restitution=self.restitution, g=self.g), self.parts)
+        return compose(Method1(self.block, restitution=self.restitution_now, g=self.g), self.parts)
+
+    @property
+    def restitution_now(self) -> float:
+        """Restitution in this test [1], within 0 and 1."""
+        return min(max(self.restitution + self.drift * self.number, 0.0), 1.0)
+
+    def in_test(self, number: int) -> LoopModel:
+        """The model in the test of that number after its own; itself where nothing drifts."""
+        return self if self.drift == 0.0 else replace(self, number=self.number + number)
 
     def base(self, motion: BaseMotion, span: tuple[float, float]) -> BaseMotion:
         """What the base really did when this was recorded of it."""
@@ -71,19 +86,19 @@ class LoopModel:
 
     def get(self, name: str) -> float:
         """A parameter by its full name, "restitution" or "effect.parameter"."""
-        if name == RESTITUTION:
-            return self.restitution
+        if name in (RESTITUTION, DRIFT):
+            return self.restitution if name == RESTITUTION else self.drift
         effect, _, parameter = name.partition(".")
         return float(self.effects[effect][parameter])
 
     def changed(self, values: Mapping[str, float]) -> LoopModel:
         """The model with some parameters, by full name, at other values; effects that it lacks are added."""
         effects = {name: dict(parameters) for name, parameters in self.effects.items()}
-        restitution = self.restitution
+        own = {RESTITUTION: self.restitution, DRIFT: self.drift}
         for name, value in values.items():
-            if name == RESTITUTION:
-                restitution = float(value)
+            if name in own:
+                own[name] = float(value)
                 continue
             effect, _, parameter = name.partition(".")
             effects.setdefault(effect, {})[parameter] = float(value)
-        return replace(self, restitution=restitution, effects=effects)
+        return replace(self, restitution=own[RESTITUTION], drift=own[DRIFT], effects=effects)

@@ -32,7 +32,12 @@ def write_model(model: LoopModel, path: Path, title: str = "") -> None:
     content: dict[str, Any] = {
         "title": title,
         "block": block,
-        "model": {"restitution": model.restitution, "gravity": model.g},
+        "model": {
+            "restitution": model.restitution,
+            "gravity": model.g,
+            "restitution_drift": model.drift,
+            "number": model.number,
+        },
         "effects": {name: dict(parameters) for name, parameters in model.effects.items()},
     }
     part = path.with_name(path.name + ".part")
@@ -63,6 +68,8 @@ def read_model(path: Path) -> LoopModel:
         _number(path, "model.restitution", model.get("restitution")),
         _effects(path, content.get("effects", {})),
         _number(path, "model.gravity", model.get("gravity")),
+        _number(path, "model.restitution_drift", model.get("restitution_drift", 0.0)),
+        int(_number(path, "model.number", model.get("number", 0))),
     )
     try:
         found.system  # noqa: B018 (refuses what does not go together)

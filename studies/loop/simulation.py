@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -68,16 +68,22 @@ class Simulator:
 
     Args:
         tests: in the order of the indices that jobs use.
-        longest_gap: gap of a base record [s] that may be filled.
+        numbers: of the tests, as they were done; their indices if not given.
     """
 
-    def __init__(self, tests: Sequence[Test]) -> None:
+    def __init__(self, tests: Sequence[Test], numbers: Sequence[int] | None = None) -> None:
         self.tests = tuple(tests)
+        self.numbers = tuple(range(len(self.tests))) if numbers is None else tuple(numbers)
         bases = [self._recorded(test) for test in self.tests]
         size = max((base.parameters.size for base in bases), default=0)
         self.bases = [PaddedMotion(base, size) for base in bases]
         self.spans = [(float(test.time[0]), float(test.time[-1])) for test in self.tests]
         self._altered: dict[tuple[int, Any], BaseMotion] = {}
+
+    @classmethod
+    def joined(cls, first: Simulator, second: Simulator) -> Simulator:
+        """Both sets of tests, those of the second after those of the first."""
+        return cls([*first.tests, *second.tests], [*first.numbers, *second.numbers])
 
     @staticmethod
     def _recorded(test: Test) -> SampledMotion:
@@ -104,6 +110,7 @@ class Simulator:
         Raises:
             ValueError: a model's effects do not go together or are out of range.
         """
+        models, jobs = self._by_test(models, jobs)
         systems = [model.system for model in models]
         groups: dict[Any, list[int]] = {}
         motions = [self._base(models[job.model], job.test) for job in jobs]
@@ -118,6 +125,21 @@ class Simulator:
             for i, answer in zip(members, self._run_group(systems, motions, jobs, members), strict=True):
                 answers[i] = answer
         return answers  # type: ignore[return-value]
+
+    def _by_test(self, models: Sequence[LoopModel], jobs: Sequence[Job]) -> tuple[Sequence[LoopModel], Sequence[Job]]:
+        """Models that drift from test to test as one model for each test that they are asked for."""
+        if all(model.drift == 0.0 for model in models):
+            return models, jobs
+        every: list[LoopModel] = []
+        places: dict[tuple[int, int], int] = {}
+        out = []
+        for job in jobs:
+            key = (job.model, self.numbers[job.test] if models[job.model].drift != 0.0 else 0)
+            if key not in places:
+                places[key] = len(every)
+                every.append(models[job.model].in_test(key[1]))
+            out.append(replace(job, model=places[key]))
+        return every, out
 
     @staticmethod
     def _run_group(systems: Any, motions: Any, jobs: Sequence[Job], members: list[int]) -> list[Answer]:

@@ -45,7 +45,7 @@ def redrawn(tests: Sequence[Test], noise: Array, seed: int = 0, draws: int = DRA
             if channel is not None:
                 data[channel.name] = data[channel.name] + sd * rng.standard_normal(test.time.size)
             noisy.append(replace(test, data=data))
-    return Simulator(noisy)
+    return Simulator(noisy, list(range(len(tests))) * draws)
 
 
 def variances(

@@ -89,11 +89,18 @@ def baseline(simulator: Simulator, model: LoopModel, windows: Sequence[Window]) 
 
 
 def search(
-    simulator: Simulator, onto: Trial, pool: Sequence[Candidate], tell: Callable[[str], None] = lambda text: None
+    simulator: Simulator,
+    onto: Trial,
+    pool: Sequence[Candidate],
+    tell: Callable[[str], None] = lambda text: None,
+    repeated: bool = False,
 ) -> Round:
-    """Refit every candidate that may pay on top of a trial."""
+    """Refit every candidate that may pay on top of a trial.
+
+    repeated: whether an effect that is there already may be tried in another form.
+    """
     found = Round(onto)
-    open_to_it = [c for c in pool if c.in_swings and c.effect not in onto.effects]
+    open_to_it = [c for c in pool if c.in_swings and (repeated or c.effect not in onto.effects)]
     scores = _scores(simulator, onto, [c for c in open_to_it if c.smooth])
     ranked = sorted(scores.items(), key=lambda item: -item[1])
     enough = NEAR * ranked[0][1] if ranked else 0.0
@@ -119,7 +126,7 @@ def _scores(simulator: Simulator, onto: Trial, smooth: Sequence[Candidate]) -> d
     out: dict[str, float] = {}
     for c in smooth:
         try:
-            with_it = model.changed(c.absent(model.declared))
+            with_it = model.changed(c.absent(model.declared) if c.effect not in onto.effects else c.nothing)
             out |= gains(simulator, onto.swing, {c.name: c.parameters}, {c.name: with_it})
         except ValueError:
             out[c.name] = math.inf  # it cannot be had at nothing: only a refit can tell
