@@ -16,7 +16,7 @@ from typing import NamedTuple
 from dem import arrays as q
 from dem.barrier import wait_for_all
 from dem.compiled import compiled, inner
-from dem.contact_forces import press_pair
+from dem.contact_forces import press_pairs
 from dem.motion_of_bodies import (
     FALLEN,
     FINE,
@@ -176,8 +176,12 @@ def _advance_assembly(
             finishing = ENDED
         saving = until_save == 0 or finishing != FINE
         pair_low, pair_high = share_of(lists.size[0], worker, workers)
-        for p in range(pair_low, pair_high):
-            press_pair(bodies, outline, lists, p, rule, judgement, clock.dt, first_step, saving)
+        if first_step or saving:  # two places, lest the compiler copy it into this loop, which it slows down
+            press_pairs(
+                bodies, outline, lists, pair_low, pair_high, rule, judgement, clock.dt, first_step, saving
+            )  # fmt: skip
+        else:
+            press_pairs(bodies, outline, lists, pair_low, pair_high, rule, judgement, clock.dt, False, False)
         if step % clock.watch_every == 0:
             watch_interfaces(
                 bodies, outline, watched, opening, judgement.reach, step * clock.dt, watch_low, watch_high

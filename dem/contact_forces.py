@@ -21,12 +21,15 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from dem import arrays as q
-from dem.compiled import hot
+from dem.compiled import hot, inner
 from dem.contact_law import clipped
 from dem.narrow_phase import beginning, locate, within
 
 LOCATED, OVERLAPPING, INCREMENTAL = 0, 1, 2
+index = np.uintp  # an index that is not negative: numba need not look whether it counts from the end
 IDLE, HELD, FRESH, HANDED, ENDED, SLID_OFF, GONE = range(7)
 
 
@@ -238,10 +241,10 @@ def velocity(bodies, outline, c, e, a, b):
     return v_x * n_x + v_z * n_z, v_x * n_z - v_z * n_x
 
 
-@hot
-def _sum_in_order(bodies, outline, lists, p, a, b):
+@inner
+def _sum_in_order(bodies, outline, lists, p):
     """Sums over more than two contacts in the order of their corners, which does not hang on how slots are listed."""
-    load = lists.load[p]
+    load, a, b = lists.load[p], lists.pair[q.FIRST, p], lists.pair[q.SECOND, p]
     load[: q.MOMENT_SECOND + 1] = 0.0
     last_corner = -1
     while True:
@@ -261,34 +264,139 @@ def _sum_in_order(bodies, outline, lists, p, a, b):
 
 
 @hot
-def press_pair(bodies, outline, lists, p, rule, judgement, dt, first_step, saving):
-    """All slots of pair p: state, motion, force, losses; the sums go to lists.load[p]."""
-    a, b = lists.pair[q.FIRST, p], lists.pair[q.SECOND, p]
-    law, load = lists.law[p], lists.load[p]
-    fx, fz, m_a, m_b, dashpot, friction, onset, elastic, touching = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0
+def held(kept, d, place, v_n, v_t, law, rule):
+    """The usual step of a contact that has been and stays where it is, as `pressed` and `losses` have it.
+
+    Returns N, T [N], and what dashpots and friction take [J].
+    """
+    approach, slip = d - kept[q.OVERLAP], kept[q.PLACE] - place
+    spring_n = kept[q.SPRING_N] + law[q.KN] * approach
+    trial = kept[q.SPRING_S] - law[q.KS] * slip
+    n = max(0.0, spring_n - law[q.DAMPING] * v_n)
+    pressure = spring_n if rule.limit_on_spring else n
+    limit = law[q.MU] * pressure if pressure > 0.0 else 0.0
+    spring_s, t, friction = trial, trial, 0.0
+    if abs(trial) <= limit:
+        t = trial - law[q.DAMPING] * v_t
+        if not rule.limit_on_spring:
+            t = clipped(t, limit)
+    else:
+        spring_s = clipped(trial, limit)
+        t = spring_s
+        friction = book(kept[q.SPRING_S], spring_s, (trial - spring_s) / law[q.KS])
+    dashpot = book(kept[q.TOTAL_N] - kept[q.SPRING_N], n - spring_n, approach)
+    dashpot -= book(kept[q.TOTAL_S] - kept[q.SPRING_S], t - spring_s, slip)
+    kept[q.OVERLAP], kept[q.PLACE], kept[q.SPRING_N], kept[q.SPRING_S] = d, place, spring_n, spring_s
+    kept[q.TOTAL_N], kept[q.TOTAL_S], kept[q.ACTING_N], kept[q.ACTING_S] = n, t, spring_n, spring_s
+    return n, t, dashpot, friction
+
+
+@hot
+def is_usual(kept, d, law):
+    """Has the contact been there, do all of its springs act, and does it press on?"""
+    return (
+        d > 0.0
+        and kept[q.OVERLAP] > 0.0
+        and kept[q.ACTING_N] == kept[q.SPRING_N]
+        and kept[q.ACTING_S] == kept[q.SPRING_S]
+        and kept[q.SPRING_N] + law[q.KN] * (d - kept[q.OVERLAP]) > 0.0
+    )
+
+
+@hot
+def out_of_reach(outline, lists, k, reach):
+    """Do both variants of an idle slot lie apart?"""
+    d, _ = locate(outline, index(lists.slot[k, q.CORNER]), index(lists.slot[k, q.EDGE]), reach)
+    if d > 0.0:
+        return False
+    c = lists.slot[k, q.CORNER + 1]
+    if c < 0:
+        return True
+    d, _ = locate(outline, index(c), index(lists.slot[k, q.EDGE + 1]), reach)
+    return d <= 0.0
+
+
+@inner
+def press_slot(bodies, outline, lists, p, k, rule, judgement, dt, first_step):
+    """A slot in a step in which something happens to it: forces on body a, moments on both, energies lost, touching."""
+    law, a, b = lists.law[p], lists.pair[q.FIRST, p], lists.pair[q.SECOND, p]
     first, last = lists.pair[q.START, p], lists.pair[q.START, p + 1]
-    for k in range(first, last):
-        state, v, d, place = state_of(outline, lists, first, last, k, judgement)
-        if state == IDLE:
+    state, v, d, place = state_of(outline, lists, first, last, k, judgement)
+    if state == IDLE:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0
+    kept = lists.kept[k]
+    v_n, v_t = velocity(bodies, outline, lists.slot[k, q.CORNER + v], lists.slot[k, q.EDGE + v], a, b)
+    motion = motion_of(state, kept, d, place, v_n, v_t, dt, first_step)
+    force = force_of(state, kept, motion, law, rule, first_step)
+    dashpot, friction, onset = losses(state, kept, force, motion, law, first_step)
+    keep(lists, k, state, v, motion, force)
+    fx, fz, m_a, m_b = on_bodies(bodies, outline, lists, k, v, a, b)
+    return fx, fz, m_a, m_b, dashpot, friction, onset, 1
+
+
+@hot
+def press_pair(bodies, outline, lists, p, rule, judgement, dt, first_step, saving):
+    """All slots of pair p; the sums go to lists.load[p]."""
+    a, b = index(lists.pair[q.FIRST, p]), index(lists.pair[q.SECOND, p])
+    law, load, place_of = lists.law[index(p)], lists.load[index(p)], outline.place
+    x_a, z_a, x_b, z_b = bodies[q.X, a], bodies[q.Z, a], bodies[q.X, b], bodies[q.Z, b]
+    vx, vz = bodies[q.VX, a] - bodies[q.VX, b], bodies[q.VZ, a] - bodies[q.VZ, b]
+    omega_a, omega_b = bodies[q.OMEGA, a], bodies[q.OMEGA, b]
+    fx, fz, m_a, m_b, dashpot, friction, onset, touching = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0
+    slack, reach = judgement.end_slack, judgement.reach
+    for i in range(lists.pair[q.START, p], lists.pair[q.START, p + 1]):
+        k = index(i)
+        v = lists.slot[k, q.ACTIVE]
+        if v >= 0 and not first_step:
+            c, e = index(lists.slot[k, index(q.CORNER + v)]), index(lists.slot[k, index(q.EDGE + v)])
+            d, place = locate(outline, c, e, reach)
+            kept = lists.kept[k]
+            if is_usual(kept, d, law) and within(outline, e, place, slack):
+                x, z, n_x, n_z = place_of[q.AT_X, c], place_of[q.AT_Z, c], place_of[q.N_X, e], place_of[q.N_Z, e]
+                side = 1.0 if index(outline.link[q.OWNER, c]) == a else -1.0
+                v_x = side * (vx + omega_a * (z - z_a) - omega_b * (z - z_b))
+                v_z = side * (vz - omega_a * (x - x_a) + omega_b * (x - x_b))
+                n, t, lost_d, lost_f = held(kept, d, place, v_x * n_x + v_z * n_z, v_x * n_z - v_z * n_x, law, rule)
+                n, t = side * n, side * t
+                f_x, f_z = n * n_x + t * n_z, n * n_z - t * n_x
+                fx, fz = fx + f_x, fz + f_z
+                m_a += (z - z_a) * f_x - (x - x_a) * f_z
+                m_b += (x - x_b) * f_z - (z - z_b) * f_x
+                dashpot, friction, touching = dashpot + lost_d, friction + lost_f, touching + 1
+                continue
+            f_x, f_z, moment_a, moment_b, lost_d, lost_f, lost_o, touches = press_slot(
+                bodies, outline, lists, p, i, rule, judgement, dt, False
+            )
+        elif v < 0 and out_of_reach(outline, lists, k, reach):
             continue
-        kept = lists.kept[k]
-        v_n, v_t = velocity(bodies, outline, lists.slot[k, q.CORNER + v], lists.slot[k, q.EDGE + v], a, b)
-        motion = motion_of(state, kept, d, place, v_n, v_t, dt, first_step)
-        force = force_of(state, kept, motion, law, rule, first_step)
-        lost_d, lost_f, lost_o = losses(state, kept, force, motion, law, first_step)
-        keep(lists, k, state, v, motion, force)
-        f_x, f_z, moment_a, moment_b = on_bodies(bodies, outline, lists, k, v, a, b)
+        else:
+            f_x, f_z, moment_a, moment_b, lost_d, lost_f, lost_o, touches = press_slot(
+                bodies, outline, lists, p, i, rule, judgement, dt, first_step
+            )
         fx, fz, m_a, m_b = fx + f_x, fz + f_z, m_a + moment_a, m_b + moment_b
         dashpot, friction, onset = dashpot + lost_d, friction + lost_f, onset + lost_o
-        touching += 1
-        if saving:
-            elastic += 0.5 * (force.spring_n**2 / law[q.KN] + force.spring_s**2 / law[q.KS])
+        touching += touches
     load[q.FORCE_X], load[q.FORCE_Z], load[q.MOMENT_FIRST], load[q.MOMENT_SECOND] = fx, fz, m_a, m_b
-    load[q.LOST_DASHPOT], load[q.LOST_FRICTION], load[q.LOST_ONSET], load[q.IN_SPRINGS] = (
-        dashpot,
-        friction,
-        onset,
-        elastic,
-    )
+    load[q.LOST_DASHPOT], load[q.LOST_FRICTION], load[q.LOST_ONSET] = dashpot, friction, onset
     if touching > 2:
-        _sum_in_order(bodies, outline, lists, p, a, b)
+        _sum_in_order(bodies, outline, lists, p)
+    if saving:
+        load[q.IN_SPRINGS] = in_springs(lists, p)
+
+
+@inner
+def in_springs(lists, p):
+    """Energy in the springs of pair p [J]."""
+    elastic, law = 0.0, lists.law[p]
+    for k in range(lists.pair[q.START, p], lists.pair[q.START, p + 1]):
+        if lists.slot[k, q.ACTIVE] >= 0:
+            kept = lists.kept[k]
+            elastic += 0.5 * (kept[q.SPRING_N] ** 2 / law[q.KN] + kept[q.SPRING_S] ** 2 / law[q.KS])
+    return elastic
+
+
+@inner
+def press_pairs(bodies, outline, lists, low, high, rule, judgement, dt, first_step, saving):
+    """Pairs low..high."""
+    for p in range(low, high):
+        press_pair(bodies, outline, lists, p, rule, judgement, dt, first_step, saving)

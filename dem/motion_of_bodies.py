@@ -21,7 +21,7 @@ import numpy as np
 
 from dem import arrays as q
 from dem.compiled import hot
-from dem.contact_forces import book
+from dem.contact_forces import book, index
 
 FINE, FALLEN, LEFT, BLOWN_UP = 0, 2, 3, 4
 SYNCHRONISE = 64  # steps between direction cosines computed anew from the angle
@@ -59,8 +59,9 @@ def gather(lists, b, saving):
     """Sums over the pairs of body b: forces, moment, energies lost in pairs it is first of, elastic energy there."""
     fx, fz, moment, dashpot, friction, onset, elastic = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for m in range(lists.of_body[b], lists.of_body[b + 1]):
-        load = lists.load[lists.at[m]]
-        if lists.pair[q.FIRST, lists.at[m]] == b:
+        p = index(lists.at[index(m)])
+        load = lists.load[p]
+        if lists.pair[q.FIRST, p] == b:
             fx, fz, moment = fx + load[q.FORCE_X], fz + load[q.FORCE_Z], moment + load[q.MOMENT_FIRST]
             dashpot, friction = dashpot + load[q.LOST_DASHPOT], friction + load[q.LOST_FRICTION]
             onset = onset + load[q.LOST_ONSET]
@@ -74,9 +75,10 @@ def gather(lists, b, saving):
 @hot
 def frame(bodies, b, field, j):
     """Acceleration of the table's frame at body b, gravity in it, the term in the velocity left out."""
+    own = index(b)
     if not field.pitches:
         return field.x[j], field.z[j], 0.0
-    q_x, q_z = bodies[q.X, b] - field.about_x, bodies[q.Z, b] - field.about_z
+    q_x, q_z = bodies[q.X, own] - field.about_x, bodies[q.Z, own] - field.about_z
     rate, turn = field.rate[j], field.turn[j]
     return (
         field.x[j] + turn * q_z - rate * rate * q_x,
@@ -106,21 +108,22 @@ def held_back(acceleration, speed, share):
 @hot
 def watch_fall(bodies, b, limits, time):
     """Note when the balance is passed outwards and when the body has fallen; True when it falls just now."""
-    turned = bodies[q.THETA, b] - bodies[q.START_THETA, b]
-    beyond_right, beyond_left = turned >= bodies[q.TILT_RIGHT, b], -turned >= bodies[q.TILT_LEFT, b]
+    own = index(b)
+    turned = bodies[q.THETA, own] - bodies[q.START_THETA, own]
+    beyond_right, beyond_left = turned >= bodies[q.TILT_RIGHT, own], -turned >= bodies[q.TILT_LEFT, own]
     if beyond_right or beyond_left:
-        if bodies[q.BEYOND, b] == 0.0:
-            bodies[q.BEYOND, b] = 1.0
-            past = turned - bodies[q.TILT_RIGHT, b] if beyond_right else turned + bodies[q.TILT_LEFT, b]
-            bodies[q.CROSSED, b] = time - (
-                past / bodies[q.OMEGA, b] if time > 0.0 and bodies[q.OMEGA, b] != 0.0 else 0.0
+        if bodies[q.BEYOND, own] == 0.0:
+            bodies[q.BEYOND, own] = 1.0
+            past = turned - bodies[q.TILT_RIGHT, own] if beyond_right else turned + bodies[q.TILT_LEFT, own]
+            bodies[q.CROSSED, own] = time - (
+                past / bodies[q.OMEGA, own] if time > 0.0 and bodies[q.OMEGA, own] != 0.0 else 0.0
             )
     else:
-        bodies[q.BEYOND, b] = 0.0
-    if bodies[q.FELL, b] == bodies[q.FELL, b]:
+        bodies[q.BEYOND, own] = 0.0
+    if bodies[q.FELL, own] == bodies[q.FELL, own]:
         return False
-    if abs(turned) >= limits.tilt or bodies[q.Z, b] < bodies[q.START_Z, b] - limits.drop[b]:
-        bodies[q.FELL, b] = time
+    if abs(turned) >= limits.tilt or bodies[q.Z, own] < bodies[q.START_Z, own] - limits.drop[b]:
+        bodies[q.FELL, own] = time
         return True
     return False
 
@@ -128,27 +131,30 @@ def watch_fall(bodies, b, limits, time):
 @hot
 def verdict(bodies, b, limits):
     """Has the body blown up or left the scene? Comparisons are such that nan counts."""
-    speed = abs(bodies[q.VX, b]) + abs(bodies[q.VZ, b]) + bodies[q.RADIUS, b] * abs(bodies[q.OMEGA, b])
+    own = index(b)
+    speed = abs(bodies[q.VX, own]) + abs(bodies[q.VZ, own]) + bodies[q.RADIUS, own] * abs(bodies[q.OMEGA, own])
     if not speed < limits.speed:
         return BLOWN_UP
-    inside = limits.x_low < bodies[q.X, b] < limits.x_high and limits.z_low < bodies[q.Z, b] < limits.z_high
+    inside = limits.x_low < bodies[q.X, own] < limits.x_high and limits.z_low < bodies[q.Z, own] < limits.z_high
     return FINE if inside else LEFT
 
 
 @hot
 def turn_and_place(bodies, outline, b, angle, synchronise):
     """Direction cosines after turning by a small angle, and corners and normals there."""
-    c, s = bodies[q.COS, b], bodies[q.SIN, b]
+    own = index(b)
+    c, s = bodies[q.COS, own], bodies[q.SIN, own]
     if synchronise or abs(angle) > 0.01:
-        c, s = math.cos(bodies[q.THETA, b]), math.sin(bodies[q.THETA, b])
+        c, s = math.cos(bodies[q.THETA, own]), math.sin(bodies[q.THETA, own])
     else:  # series to 1e-16 for 0.01 rad
         square = angle * angle
         dc = -square * (0.5 - square * (1.0 / 24.0 - square / 720.0))
         ds = angle * (1.0 - square * (1.0 / 6.0 - square / 120.0))
         c, s = c + (c * dc - s * ds), s + (s * dc + c * ds)
-    bodies[q.COS, b], bodies[q.SIN, b] = c, s
-    x, z = bodies[q.X, b], bodies[q.Z, b]
-    for i in range(outline.span[q.FROM, b], outline.span[q.FROM, b] + outline.span[q.COUNT, b]):
+    bodies[q.COS, own], bodies[q.SIN, own] = c, s
+    x, z = bodies[q.X, own], bodies[q.Z, own]
+    for corner in range(outline.span[q.FROM, b], outline.span[q.FROM, b] + outline.span[q.COUNT, b]):
+        i = index(corner)
         outline.place[q.AT_X, i] = x + (outline.place[q.LOCAL_X, i] * c + outline.place[q.LOCAL_Z, i] * s)
         outline.place[q.AT_Z, i] = z + (outline.place[q.LOCAL_Z, i] * c - outline.place[q.LOCAL_X, i] * s)
         outline.place[q.N_X, i] = outline.place[q.LOCAL_NX, i] * c + outline.place[q.LOCAL_NZ, i] * s
@@ -158,27 +164,29 @@ def turn_and_place(bodies, outline, b, angle, synchronise):
 @hot
 def energies(bodies, b, vx, vz, omega, g, elastic):
     """Kinetic and potential energy of body b from the velocities before and those now in `bodies`."""
-    bodies[q.KINETIC, b] = 0.5 * (
-        bodies[q.MASS, b] * (vx * bodies[q.VX, b] + vz * bodies[q.VZ, b])
-        + bodies[q.INERTIA, b] * omega * bodies[q.OMEGA, b]
+    own = index(b)
+    bodies[q.KINETIC, own] = 0.5 * (
+        bodies[q.MASS, own] * (vx * bodies[q.VX, own] + vz * bodies[q.VZ, own])
+        + bodies[q.INERTIA, own] * omega * bodies[q.OMEGA, own]
     )
-    bodies[q.POTENTIAL, b] = bodies[q.MASS, b] * g * bodies[q.Z, b]
-    bodies[q.ELASTIC, b] = elastic
+    bodies[q.POTENTIAL, own] = bodies[q.MASS, own] * g * bodies[q.Z, own]
+    bodies[q.ELASTIC, own] = elastic
 
 
 @hot
 def kick_body(bodies, lists, b, field, j, limits, dt, g, first_step, saving):
     """Velocities half a step after the pose, ledgers, and at a sample the energies; returns the velocities before."""
+    own = index(b)
     fx, fz, moment, dashpot, friction, onset, elastic = gather(lists, b, saving)
-    bodies[q.DASHPOT, b] += dashpot
-    bodies[q.FRICTION, b] += friction
-    bodies[q.ONSET, b] += onset
+    bodies[q.DASHPOT, own] += dashpot
+    bodies[q.FRICTION, own] += friction
+    bodies[q.ONSET, own] += onset
     frame_x, frame_z, frame_turn = frame(bodies, b, field, j)
-    vx, vz, omega = bodies[q.VX, b], bodies[q.VZ, b], bodies[q.OMEGA, b]
-    ax = fx * bodies[q.PER_MASS, b] - frame_x
-    az = fz * bodies[q.PER_MASS, b] - frame_z
-    turn = moment * bodies[q.PER_INERTIA, b] - frame_turn
-    bodies[q.UNBALANCE, b] = (abs(ax) + abs(az) + bodies[q.RADIUS, b] * abs(turn)) / g
+    vx, vz, omega = bodies[q.VX, own], bodies[q.VZ, own], bodies[q.OMEGA, own]
+    ax = fx * bodies[q.PER_MASS, own] - frame_x
+    az = fz * bodies[q.PER_MASS, own] - frame_z
+    turn = moment * bodies[q.PER_INERTIA, own] - frame_turn
+    bodies[q.UNBALANCE, own] = (abs(ax) + abs(az) + bodies[q.RADIUS, own] * abs(turn)) / g
     if limits.settling > 0.0:
         ax, az = held_back(ax, vx, limits.settling), held_back(az, vz, limits.settling)
         turn = held_back(turn, omega, limits.settling)
@@ -187,12 +195,12 @@ def kick_body(bodies, lists, b, field, j, limits, dt, g, first_step, saving):
         vx, vz = kicked(vx, vz, ax, az, whirl, -0.5 * dt)
         omega -= 0.5 * dt * turn
     else:
-        bodies[q.WORK, b] -= bodies[q.MASS, b] * (
-            book(bodies[q.FIELD_X, b], frame_x, dt * vx) + book(bodies[q.FIELD_Z, b] - g, frame_z - g, dt * vz)
-        ) + bodies[q.INERTIA, b] * book(bodies[q.FIELD_TURN, b], frame_turn, dt * omega)
-    bodies[q.FIELD_X, b], bodies[q.FIELD_Z, b], bodies[q.FIELD_TURN, b] = frame_x, frame_z, frame_turn
-    bodies[q.VX, b], bodies[q.VZ, b] = kicked(vx, vz, ax, az, whirl, dt)
-    bodies[q.OMEGA, b] = omega + dt * turn
+        bodies[q.WORK, own] -= bodies[q.MASS, own] * (
+            book(bodies[q.FIELD_X, own], frame_x, dt * vx) + book(bodies[q.FIELD_Z, own] - g, frame_z - g, dt * vz)
+        ) + bodies[q.INERTIA, own] * book(bodies[q.FIELD_TURN, own], frame_turn, dt * omega)
+    bodies[q.FIELD_X, own], bodies[q.FIELD_Z, own], bodies[q.FIELD_TURN, own] = frame_x, frame_z, frame_turn
+    bodies[q.VX, own], bodies[q.VZ, own] = kicked(vx, vz, ax, az, whirl, dt)
+    bodies[q.OMEGA, own] = omega + dt * turn
     if saving:
         energies(bodies, b, vx, vz, omega, g, elastic)
     return vx, vz, omega
@@ -201,13 +209,14 @@ def kick_body(bodies, lists, b, field, j, limits, dt, g, first_step, saving):
 @hot
 def drift_body(bodies, outline, b, dt, synchronise):
     """Pose a step later; returns how far it may have come since the contacts were listed [m]."""
-    bodies[q.X, b] += dt * bodies[q.VX, b]
-    bodies[q.Z, b] += dt * bodies[q.VZ, b]
-    angle = dt * bodies[q.OMEGA, b]
-    bodies[q.THETA, b] += angle
+    own = index(b)
+    bodies[q.X, own] += dt * bodies[q.VX, own]
+    bodies[q.Z, own] += dt * bodies[q.VZ, own]
+    angle = dt * bodies[q.OMEGA, own]
+    bodies[q.THETA, own] += angle
     turn_and_place(bodies, outline, b, angle, synchronise)
     return (
-        abs(bodies[q.X, b] - bodies[q.LISTED_X, b])
-        + abs(bodies[q.Z, b] - bodies[q.LISTED_Z, b])
-        + bodies[q.RADIUS, b] * abs(bodies[q.THETA, b] - bodies[q.LISTED_THETA, b])
+        abs(bodies[q.X, own] - bodies[q.LISTED_X, own])
+        + abs(bodies[q.Z, own] - bodies[q.LISTED_Z, own])
+        + bodies[q.RADIUS, own] * abs(bodies[q.THETA, own] - bodies[q.LISTED_THETA, own])
     )
