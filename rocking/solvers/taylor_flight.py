@@ -10,7 +10,8 @@ S' = -v C, C' = v S.  Sine and cosine are themselves polynomials about pi/4, so 
 
 Source   Winkler, Meguro & Yamazaki (1995), eqs (2)-(3), in the form of `rocking.method1`; recurrences: Moore (1966),
          Interval Analysis, ch. 11, and Griewank & Walther (2008), Evaluating Derivatives, ch. 13.
-Status   degree nine; for steps of at most LONGEST in p t the first term left out is below 1e-15 of the tilts at play.
+Status   degree nine; for steps of at most LONGEST in p t the first term left out of a linear flight is below 1e-17 of
+         the tilts at play.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ DEGREE = 9
 """Of the polynomial of x; the functions of `rocking.solvers.exact_polynomial` take the same ten coefficients."""
 
 LONGEST = 1.0 / 12.0
-"""Longest step in p t; for the nonlinear block in (p + |omega|) t."""
+"""Longest step in p t; the nonlinear block takes shorter ones where its last terms are not small."""
 
 LONGEST_TURN = 1.0 / 8.0
 """Longest step in omega t of a sinusoid."""

@@ -18,24 +18,42 @@ import numba
 
 from rocking.solvers import taylor_table as row
 from rocking.solvers.recording import MAX_STALLED, STALL_TIME
-from rocking.solvers.taylor_flight import DEGREE, LONGEST, flight, push_on_sine, slope, turn, value
+from rocking.solvers.taylor_flight import DEGREE, flight, push_on_sine, slope, turn, value
 from rocking.solvers.taylor_roots import differentiated, first_landing, less, newton
-from rocking.solvers.taylor_vector import bits, count, fma, gather, least, load, most, size, store, where
+from rocking.solvers.taylor_vector import (
+    bits,
+    count,
+    emitted,
+    fma,
+    fma_of,
+    gather,
+    lanes_type,
+    least,
+    load,
+    most,
+    size,
+    size_of,
+    store,
+    where,
+)
 
 PATIENCE = 4
 """Turns of the loop for which a lane near the floor waits for others before its impact is looked for."""
 
 
+TAIL = 1e-13
+"""Largest size of the last two terms of a nonlinear flight: what is left out is some hundred times less."""
+
 LOW = 0.01
 """A chatter is low while no flight changes what pulls the block back by more than half of this share."""
 
 
-@numba.njit(error_model="numpy", forceinline=True)
-def step_limit(t, v, form, wave):
-    """Longest step [s] for which the polynomial serves."""
-    p = load(t, row.P)
-    limit = LONGEST / p if form is None else LONGEST / (p + size(v))
-    return limit if wave is None else least(limit, load(t, row.TURN_MAX))
+@emitted(lanes_type)
+def tail(c, h):
+    """Size of the last two terms of a flight at h."""
+    square = h * h
+    fourth = square * square
+    return fma_of(size_of(c[DEGREE]), h, size_of(c[DEGREE - 1])) * (fourth * fourth)
 
 
 @numba.njit(error_model="numpy", forceinline=True)
@@ -131,9 +149,14 @@ def carry(t, values, form, wave, scratch, max_events, quorum, logging):
             rate, omega, now = load(t, row.RATE), load(t, row.OMEGA), load(t, row.ORIGIN) + tau
             push = push_on_sine(s * rate, omega, now, sine, cosine)
         c = flight(x, v, push, p2, alpha, turned, floor)
-        rest, limit = stop - tau, step_limit(t, v, form, wave)
+        rest, limit = stop - tau, load(t, row.LIMIT)
         whole = rest <= limit
         h = where(whole, rest, limit)
+        if form is not None:
+            long = tail(c, h) > TAIL
+            while bits(long) != 0:
+                h, whole = where(long, 0.5 * h, h), whole & ~long
+                long = tail(c, h) > TAIL
         kept = where(h > 0.0, none - math.inf, floor)
         x_end, v_end, reach = value(c, h), slope(c, h), h
         bulge = load(t, row.BULGE)

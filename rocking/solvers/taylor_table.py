@@ -13,7 +13,7 @@ from rocking.solvers.taylor_flight import DEGREE
     X, V, S, K, TAU, STOP, B0, B1, SINE, COSINE, FLOOR, PEAK, WATCH, PASSAGE, PASSED, IMPACTS, EVENTS, STALLS, LAST,
     CALL, FELL_AT, V_FELL, P, P2, ALPHA, TURN_S, TURN_C, HOLD_S, HOLD_C, E, OMEGA_REST, ONSET, DT, PER_DT, ORIGIN,
     K_EDGE, SCALE, BULGE, ZENO, OMEGA, RATE, PHASE, RUN, MODE, ONSET_TIME, T_START, T_END, SCALE_ON, SAVED, WRITTEN,
-    STATUS, TURN_MAX,
+    STATUS, LIMIT,
 ) = range(52)  # fmt: skip
 """Rows of the table.  State: x = s theta, v = s omega, carrying corner s, interval k, time tau in it, its end, a_x/g at
 both ends of it, sine and cosine of the wave.  CALL says what a lane wants (below); the others are constants of a run,

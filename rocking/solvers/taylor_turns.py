@@ -38,7 +38,7 @@ def moment(t, lane):
 @numba.njit(error_model="numpy")
 def bound_step(t, lane, longest, a_max):
     """Set how far x may bulge between the ends of a step: |x''| <= p^2 (1.6 + |a_x|/g) up to the fall."""
-    step = min(longest, LONGEST / t[row.P, lane])
+    step = min(longest, t[row.LIMIT, lane])
     t[row.BULGE, lane] = 0.125 * t[row.P2, lane] * (1.6 + a_max) * step * step * (1.0 + 1e-6) + 1e-15
 
 
@@ -81,7 +81,7 @@ def enter_wave(t, lane, runs):
     t[row.TAU, lane], t[row.STOP, lane] = begin, stop
     t[row.RATE, lane] = t[row.SCALE_ON, lane]
     t[row.SINE, lane], t[row.COSINE, lane] = math.sin(omega * begin + phase), math.cos(omega * begin + phase)
-    bound_step(t, lane, t[row.TURN_MAX, lane], abs(t[row.RATE, lane]) * stop)
+    bound_step(t, lane, t[row.LIMIT, lane], abs(t[row.RATE, lane]) * stop)
 
 
 @numba.njit(error_model="numpy")
@@ -264,11 +264,11 @@ def begin(t, lane, runs, run, form, wave, logging):
     t[row.PEAK, lane], t[row.WATCH, lane] = abs(x), min(abs(x), alpha)
     t[row.PASSAGE, lane], t[row.ONSET_TIME, lane] = t_start, math.nan
     t[row.LAST, lane], t[row.FLOOR, lane], t[row.STATUS, lane] = -math.inf, -math.inf, REACHED_END
-    t[row.DT, lane], t[row.PER_DT, lane], t[row.TURN_MAX, lane] = 1.0, 1.0, math.inf
+    t[row.DT, lane], t[row.PER_DT, lane], t[row.LIMIT, lane] = 1.0, 1.0, LONGEST / p
     if wave is not None:
         turns = runs.motions[run, 0]
         t[row.OMEGA, lane], t[row.SCALE_ON, lane] = turns, runs.motions[run, 2] / g
-        t[row.TURN_MAX, lane] = LONGEST_TURN / max(abs(turns), 1e-300)
+        t[row.LIMIT, lane] = min(LONGEST / p, LONGEST_TURN / max(abs(turns), 1e-300))
     else:
         t[row.SCALE_ON, lane] = runs.motions[run, 0] / g
         t[row.DT, lane] = runs.dt * runs.motions[run, 1]
@@ -285,7 +285,7 @@ def be_idle(t, lane):
         t[i, lane] = 0.0
     t[row.X, lane], t[row.S, lane], t[row.P, lane], t[row.DT, lane], t[row.PER_DT, lane] = 1.0, 1.0, 1.0, 1.0, 1.0
     t[row.STOP, lane], t[row.K_EDGE, lane], t[row.WATCH, lane] = math.inf, math.inf, math.inf
-    t[row.BULGE, lane], t[row.TURN_MAX, lane], t[row.RUN, lane] = -1.0, 1.0, -1.0
+    t[row.BULGE, lane], t[row.LIMIT, lane], t[row.RUN, lane] = -1.0, 1.0, -1.0
 
 
 @numba.njit(error_model="numpy")
