@@ -28,6 +28,7 @@ import xarray as xr
 from tqdm import tqdm
 
 from rocking import Mode
+from rocking.effects import parse
 from rocking.solvers import available
 from studies import _run
 from studies.fig16_check import check
@@ -279,7 +280,8 @@ def dataset(plan: Plan, command: str = "studies.fig16.dataset") -> xr.Dataset:
             plan = replace(plan, settings=replace(plan.settings, damping=fit.damping))
     results, seconds = _compute(plan)
     ds = xr.Dataset(_variables(plan, results), _coordinates(plan))
-    settings = {k: ("none" if v is None else v) for k, v in asdict(plan.settings).items()}
+    settings = {k: ("none" if v is None else v) for k, v in asdict(replace(plan.settings, effects=())).items()}
+    settings["effects"] = {effect.name: effect.parameters() for effect in plan.settings.effects}
     ds.attrs = (
         _run.provenance("Criteria of overturning of single blocks by three methods", command)
         | {"references": "Winkler, Meguro & Yamazaki (1995), Fig. 16", "settings": json.dumps(settings)}
@@ -323,6 +325,10 @@ def _parser() -> argparse.ArgumentParser:
         help="acceleration at the end of the 90 s ramp, in g (default: %(default)s)",
     )  # fmt: skip
     parser.add_argument(
+        "--effect", action="append", default=[], metavar="NAME.PARAMETER=NUMBER",
+        help="something real that the ideal block lacks, as rounded_edges.radius=0.003 [SI units]; may be repeated",
+    )  # fmt: skip
+    parser.add_argument(
         "--no-sensitivity", action="store_true", help="leave out the runs with other friction, restitution, ramp ..."
     )
     _run.add_common_arguments(parser)
@@ -356,11 +362,16 @@ def plan_of(arguments: argparse.Namespace) -> Plan:
     if arguments.restitution is not None and not 0.0 <= arguments.restitution <= 1.0:
         raise _run.BadInputError(f"--restitution {arguments.restitution:g}: want 0 to 1")
     _positive("--ramp", arguments.ramp)
+    try:
+        effects = parse(arguments.effect)
+    except ValueError as error:
+        raise _run.BadInputError(f"--effect: {error}") from None
     settings = Settings(
         ramp=arguments.ramp * G,
         friction=arguments.friction,
         restitution=arguments.restitution,
         solver=arguments.solver,
+        effects=effects,
     )
     variations = () if arguments.no_sensitivity else VARIATIONS + SCATTER
     if arguments.quick:

@@ -9,8 +9,9 @@ Source   Winkler, Meguro & Yamazaki (1995), "Criteria of overturning for single 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +19,11 @@ from numpy.typing import NDArray
 import dem
 from excitation import RampedSinusoid
 from rocking import Block, Method1, Method2, Mode, Outcome, solve
+from rocking.effect import Effect
+from rocking.effects import base_with
 from rocking.hybrid import System
 from rocking.method2 import ImpactLaw
+from rocking.motion import pitch_kernel
 from studies.free_vibration import scene_of
 
 METHODS = ("method1", "method2", "dem")
@@ -52,6 +56,12 @@ class Settings:
     solver: str = "numba"  # Methods 1 and 2
     rtol: float = 1e-9
     atol: float = 1e-12
+    effects: tuple[Effect, ...] = ()  # what the ideal block lacks; a method that cannot carry one declines
+
+    @property
+    def effects_on_block(self) -> tuple[Effect, ...]:
+        """Those that act on the block itself, rather than on the base or a sensor."""
+        return tuple(e for e in self.effects if e.ways() - {"base_motion", "reading"})
 
     def motion(self, frequency: float) -> RampedSinusoid:
         """The base motion at a frequency [Hz]."""
@@ -94,7 +104,9 @@ def system_of(method: str, block: Block, settings: Settings) -> System:
         ValueError: the method cannot have these settings.
     """
     if method == "method1":
-        return Method1(block, restitution=settings.restitution, form=settings.form)
+        # Effects on the equations are added to the nonlinear ones.
+        form = "nonlinear" if settings.effects_on_block else settings.form
+        return Method1(block, restitution=settings.restitution, form=form)
     # The two-corner law is the frictional one with rocking impacts of a given restitution; another law has none.
     given = settings.restitution is not None and settings.impact_law == "frictional"
     law: ImpactLaw = "two_corner" if given else settings.impact_law
@@ -113,7 +125,7 @@ def _analytic(method: str, block: Block, frequency: float, settings: Settings) -
     try:
         run = solve(
             system_of(method, block, settings), motion, t_end=settings.duration, solver=settings.solver,
-            rtol=settings.rtol, atol=settings.atol, save_at=(),
+            rtol=settings.rtol, atol=settings.atol, save_at=(), effects=settings.effects,
         )  # fmt: skip
     except ValueError as refusal:
         return _no_criterion(f"declined: {refusal}")
@@ -125,13 +137,29 @@ def _analytic(method: str, block: Block, frequency: float, settings: Settings) -
     return _criterion(motion, fell, run.mode_durations(fell), run.mode_durations(0.5 * fell))
 
 
+def _felt(motion: RampedSinusoid, settings: Settings) -> Callable[[NDArray[np.float64]], Any]:
+    """The base motion as distinct elements take it, with the effects on the base.
+
+    Raises:
+        ValueError: an effect acts on the block, or makes the base pitch.
+    """
+    if settings.effects_on_block:
+        raise ValueError(f"{settings.effects_on_block[0].name}: distinct elements do not carry it")
+    if not settings.effects:
+        return motion
+    base = base_with(motion, settings.effects, (0.0, settings.duration), 9.80665)
+    if pitch_kernel(base) is not None:
+        raise ValueError(f"{base!r}: a single distinct element does not carry a base that pitches")
+    return lambda t: base.kernel(np, t, base.parameters)
+
+
 def _distinct_element(block: Block, frequency: float, settings: Settings) -> Criterion:
     if not math.isfinite(settings.damping):
         return _no_criterion("declined: no dashpot gives this restitution in a free vibration")
     motion = settings.motion(frequency)
     try:
         run = dem.simulate(
-            scene_of(block), motion, t_end=settings.duration, dt=settings.dt, mu=settings.friction,
+            scene_of(block), _felt(motion, settings), t_end=settings.duration, dt=settings.dt, mu=settings.friction,
             damping=settings.damping, kn=settings.stiffness, ks=settings.stiffness,
         )  # fmt: skip
     except ValueError as refusal:
