@@ -247,8 +247,15 @@ class Run:
             falls=falls,
             separations=separations,
             assembly=self.assembly,
-            settings=self.settings | {"lists_made": int(self.counts[assembly_step.LISTED])},
+            settings=self.settings | self._lists_at_the_end(),
         )
+
+    def _lists_at_the_end(self) -> dict[str, float | str]:
+        """How often contacts were listed, and the contacts and places for contacts in the last list."""
+        lists = self.lists[int(self.counts[assembly_step.WHICH])]
+        slots = int(lists.size[1])
+        touching = int(np.count_nonzero(lists.slot[:slots, q.ACTIVE] >= 0))
+        return {"lists_made": int(self.counts[assembly_step.LISTED]), "contacts": touching, "places": slots}
 
     def _falls(self) -> tuple[Fall, ...]:
         found = []
