@@ -17,7 +17,7 @@ from numba.extending import intrinsic
 from dem.compiled import inner
 
 APART = 16  # counters lie this many places apart, on cache lines of their own
-PATIENCE = 4000  # looks at a counter before the core is given away
+PATIENCE = 1000  # looks at a counter before the core is given away
 
 
 @intrinsic

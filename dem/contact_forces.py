@@ -13,7 +13,8 @@ Onset. A contact begins a share tau of the step before it is found. How the firs
   spring likewise. Over this step and the next the work of the force is then kn d^2/2, what the spring holds. Where a
   contact ends, a share tau' of the step after it was last seen, it has pushed for too long, and the next step takes
   back half of N (1 - tau'), which closes the work again. Landing and leaving so keep the energy to a higher order in
-dt; - 'overlap': F_n = kn d, acting in full;
+  dt;
+- 'overlap': F_n = kn d, acting in full;
 - 'incremental': F_n and F_s grow by the whole step that finds the contact, as in the paper.
 """
 

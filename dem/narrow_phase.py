@@ -7,7 +7,7 @@ Aligned edges. An edge on an edge is two contacts, one at each end of the stretc
 is the end changes when one block slides past the alignment, so a slot holds both *variants* of one end, (corner of B,
 edge of A) and (corner of A, edge of B), of which one at most is active. The active one is kept until its corner passes
 the end of its edge; then the other takes over with the forces stored. Corners are sharp: there is no rounding between
-the normals of the two.
+the normals of the two, and a block that slides onto a neighbour which stands a hair's breadth higher trips over it.
 
 Choice of the edge. A contact begins on an edge that faces the corner (its inward normal lies among the normals between
 the corner's own two edges, give or take a tolerance); near an edge's end, on the edge of least overlap of those that

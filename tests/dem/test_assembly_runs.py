@@ -124,6 +124,46 @@ def test_a_block_that_is_pushed_off_falls_without_overturning():
     assert run.ending is dem.Ending.REACHED_END
 
 
+def test_a_run_that_waits_for_all_to_fall_names_each():
+    run = dem.simulate_assembly(
+        column(2), growing(3.0), t_end=40.0, contact=STEADY, criteria=dem.Criteria(stop="all", margin=100.0)
+    )
+    assert run.ending is dem.Ending.FELL
+    assert {fall.body for fall in run.falls} == {0, 1}
+    times = [fall.overturning_time for fall in run.falls]
+    assert times == sorted(times) and all(fall.overturning_time <= fall.time for fall in run.falls)
+
+
+def test_an_edge_is_felt_from_its_reach_on():
+    scene = dem.Assembly((dem.block(B, H, D, DENSITY, z=2e-3),), standing=False)
+    near, far = (
+        dem.simulate_assembly(scene, t_end=1.0, contact=STEADY, judgement=dem.ContactJudgement(reach=reach))
+        for reach in (0.0, 1e-3)
+    )
+    assert far.z[-1, 0] - near.z[-1, 0] == pytest.approx(1e-3, abs=1e-9)
+
+
+def test_pairs_of_the_grid_are_those_of_comparing_all():
+    phase = importlib.import_module("dem.broad_phase")
+    random = np.random.default_rng(3)
+    low = random.uniform(-2.0, 2.0, (120, 2))
+    size = random.uniform(0.01, 0.3, (120, 2)) * np.where(np.arange(120) < 110, 1.0, 8.0)[:, None]  # some large walls
+    box = np.concatenate([low, low + size], axis=1)
+    heads, entries = np.zeros(257, np.int64), np.zeros((20_000, 3), np.int64)
+    found = np.zeros((20_000, 2), np.int64)
+    count = phase.near_pairs(box, 120, 110, 0.2, heads, entries, found)
+    all_pairs = {
+        (a, b)
+        for a in range(110)
+        for b in range(a + 1, 120)
+        if np.all(box[a, :2] <= box[b, 2:]) and np.all(box[b, :2] <= box[a, 2:])
+    }
+    assert len(all_pairs) > 50
+    assert count == len(all_pairs)  # each once
+    assert {tuple(pair) for pair in found[:count].tolist()} == all_pairs
+    assert phase.near_pairs(box, 120, 110, 0.2, heads, entries, found[:10]) == -1
+
+
 def test_friction_is_that_of_the_pair_of_materials():
     scene = dem.Assembly(
         (

@@ -28,10 +28,32 @@ def package(tmp_path):
     return copy
 
 
-def run(package):
+ASSEMBLY = """
+import dem, sys
+assert "numba" not in sys.modules, "numba loaded at import"
+contact = dem.Contact(0.5, damping_ratio=0.1)
+history = dem.simulate_assembly(dem.column(2, 0.15, 0.5, 0.25, 597.0), t_end=0.01, contact=contact)
+from dem.assembly_step import advance_assembly as loop
+print(dem.__file__, sum(loop.stats.cache_hits.values()), sum(loop.stats.cache_misses.values()), history.z[-1, 1])
+"""
+
+
+@pytest.mark.slow  # compiles twice, 15 s each
+def test_the_loop_of_assemblies_is_cached_and_replaced_too(package):
+    first, second = run(package, ASSEMBLY), run(package, ASSEMBLY)
+    assert first[:2] == (0, 1)
+    assert second[:2] == (1, 0) and second[2:] == first[2:]
+    forces = package / "contact_forces.py"
+    forces.write_text(forces.read_text().replace("kept[q.SPRING_N] + law[q.KN] * approach", "0.5 * law[q.KN] * d"))
+    edited = run(package, ASSEMBLY)
+    assert edited[:2] == (0, 1) and edited[2] != first[2]
+    assert len(edited[3]) == len(first[3]) == 2 and not set(edited[3]) & set(first[3])
+
+
+def run(package, script=SCRIPT):
     """Cache hits, misses, last tilt and number of cache files after a run in its own process."""
     done = subprocess.run(
-        [sys.executable, "-c", SCRIPT], cwd=package.parent, capture_output=True, text=True, check=True
+        [sys.executable, "-c", script], cwd=package.parent, capture_output=True, text=True, check=True
     )
     where, hits, misses, theta = done.stdout.split()
     assert Path(where).parent == package
