@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rocking.effect import Effect
 from rocking.hybrid import Mode, System
-from rocking.motion import BaseMotion, Still
+from rocking.motion import BaseMotion, Still, pitch_kernel
 from rocking.solvers import load
 from rocking.validation import positive
 
@@ -117,6 +118,7 @@ def solve_batch(
     rtol: float = 1e-9,
     atol: float = 1e-12,
     max_events: int = 1_000_000,
+    effects: Sequence[Effect] = (),
 ) -> BatchResult:
     """Carry many blocks, each to its fall or to `t_end`, and keep the summaries.
 
@@ -129,6 +131,8 @@ def solve_batch(
             latter linear, over ramped sinusoids and records that are straight between samples; some hundred times
             faster).  Diffrax has its own, on the device that JAX has: `rocking.solvers.diffrax_response.batch`.
         rtol, atol, max_events: as of `solve`.
+        effects: what all blocks lack, of `rocking.effects`; for blocks that differ in the parameters of theirs, give
+            systems of `rocking.effects.compose`.
 
     Raises:
         ValueError: an argument is out of range, the numbers of systems and motions do not fit, they are not of one
@@ -146,6 +150,11 @@ def solve_batch(
     tilts, speeds = _per_run("theta", theta, many), _per_run("omega", omega, many)
     if np.any(np.abs(tilts) >= 0.5 * math.pi):
         raise ValueError(f"theta={np.max(np.abs(tilts))!r} rad: want between -pi/2 and pi/2")
+    if effects:
+        all_systems, all_motions = _with_effects(all_systems, all_motions, effects, (float(t_start), float(t_end)))
+    for system, motion in zip(all_systems, all_motions, strict=True):
+        if not system.carries_pitch and pitch_kernel(motion) is not None:
+            raise ValueError(f"motion={motion!r}: {system.name} does not carry a base that pitches, want Method 1")
     carrier: Any = load(solver)
     if not hasattr(carrier, "solve_batch"):
         elsewhere = " (its own is rocking.solvers.diffrax_response.batch)" if solver == "diffrax" else ""
@@ -156,6 +165,17 @@ def solve_batch(
         all_systems, all_motions, starts, (float(t_start), float(t_end)), rtol=rtol, atol=atol, max_events=max_events
     )
     return _result(table, t_start)
+
+
+def _with_effects(
+    systems: Sequence[System], motions: Sequence[BaseMotion], effects: Sequence[Effect], span: tuple[float, float]
+) -> tuple[list[System], list[BaseMotion]]:
+    """Systems and motions with the effects; what is shared by many runs is made once."""
+    from rocking.effects import base_with, compose
+
+    composed = {id(s): compose(s, effects) for s in systems}
+    altered = {(id(m), s.g): base_with(m, effects, span, s.g) for s, m in zip(systems, motions, strict=True)}
+    return [composed[id(s)] for s in systems], [altered[id(m), s.g] for s, m in zip(systems, motions, strict=True)]
 
 
 def _no_refusal(carrier: Any, solver: str, systems: Sequence[System], motions: Sequence[BaseMotion]) -> None:

@@ -145,6 +145,11 @@ class ComposedMethod1:
     def __post_init__(self) -> None:
         if self.method.form != "nonlinear":
             raise ValueError(f"form={self.method.form!r}: effects on the equations want the nonlinear Method 1")
+        if max(self.restitutions) > 1.0:
+            raise ValueError(
+                f"restitution={self.method.restitution!r}: with the centre of mass {self.form.offset:.4g} m off the "
+                f"middle one side would have {max(self.restitutions):.4g}; want a smaller one, since 1 loses nothing"
+            )
         if min(self.restitutions) < 0.0:
             raise ValueError(
                 f"half_breadth={self.form.half_breadth:.4g} m, mass_height={self.form.mass_height:.4g} m: the block is "

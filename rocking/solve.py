@@ -92,6 +92,8 @@ def solve(
     if refusal is not None:
         raise ValueError(f"solver={solver!r} declines: {refusal}")
     y0, q0 = system.initial_state(theta, omega) if initial is None else initial
+    if len(y0) != len(system.state_names):
+        raise ValueError(f"initial: {len(y0)} numbers, want {', '.join(system.state_names)} of {system.name}")
     run = carrier.solve(
         system, base, y0, q0, (float(t_start), float(t_end)),
         rtol=rtol, atol=atol, save_at=times, max_events=max_events,

@@ -21,7 +21,16 @@ if TYPE_CHECKING:
 BALANCE = -1
 """Code of the event "passes the tilt of unstable balance outward", which changes no mode."""
 
-UNITS = {"x": "m", "z": "m", "theta": "rad", "u": "m s-1", "v": "m s-1", "omega": "rad s-1"}
+UNITS = {
+    "x": "m",
+    "z": "m",
+    "theta": "rad",
+    "u": "m s-1",
+    "v": "m s-1",
+    "omega": "rad s-1",
+    "foot_right": "m",
+    "foot_left": "m",
+}
 
 LONG_NAMES = {
     "x": "position of the carrying corner relative to the base",
@@ -30,6 +39,8 @@ LONG_NAMES = {
     "u": "horizontal velocity of the carrying corner relative to the base",
     "v": "vertical velocity of the carrying corner relative to the base",
     "omega": "angular velocity",
+    "foot_right": "where the right foot touched the floor",
+    "foot_left": "where the left foot touched the floor",
 }
 
 
@@ -161,7 +172,7 @@ class Trajectory:
         import xarray as xr
 
         states = {
-            name: ("time", self.y[:, i], {"units": UNITS[name], "long_name": LONG_NAMES[name]})
+            name: ("time", self.y[:, i], {"units": UNITS.get(name, "1"), "long_name": LONG_NAMES.get(name, name)})
             for i, name in enumerate(self.system.state_names)
         }
         modes = {"flag_values": np.arange(len(Mode)), "flag_meanings": " ".join(m.name.lower() for m in Mode)}

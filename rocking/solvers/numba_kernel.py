@@ -165,9 +165,9 @@ def record(count, table_t, table_i, table_s, table_y, t, kg, q_before, q, y_befo
 
 
 @numba.njit(error_model="numpy")
-def save_until(count, save_at, saved_y, saved_i, saved_s, t, h, x_end, y, q, k, out):
-    """Keep the samples up to the share x_end of the step."""
-    while count[0] < save_at.size and save_at[count[0]] <= t + x_end * h:
+def save_until(count, save_at, saved_y, saved_i, saved_s, t, h, until, y, q, k, out):
+    """Keep the samples up to the time `until` within the step."""
+    while count[0] < save_at.size and save_at[count[0]] <= until:
         i = count[0]
         dense(y, h, (save_at[i] - t) / h, k, out)
         saved_y[i] = out
@@ -245,12 +245,14 @@ def integrate(
                     tau = polish(
                         flow, guards, motion, kg, share, t, h, y, q, par, mpar, low, high, k, k_try, stage, y_end
                     )
-                save_until(count, save_at, saved_y, saved_i, saved_s, t, h, tau / h, y, q, k, out)
+                # A step that ends a stretch ends at its edge, which the sum may miss by a rounding.
+                until = stop if kg < 0 and h == stop - t else t + tau
+                save_until(count, save_at, saved_y, saved_i, saved_s, t, h, until, y, q, k, out)
                 peak = max(peak, peak_in_step(watched, tau / h, h, y, y_end, k, out))
                 x = balance_passage(balance, tau / h, h, y, y_end, par, k, out)
                 if x >= 0.0:
                     record(count, table_t, table_i, table_s, table_y, t + x * h, BALANCE, q, q, out, out)
-                t = stop if kg < 0 and h == stop - t else t + tau
+                t = until
                 h = h * min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
                 y[:] = y_end
                 k[0] = k[STAGES - 1]
