@@ -339,14 +339,14 @@ def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[R
 
 def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Trial, Verdict]:
     """The trial to keep: the named effects if they leave nothing, else with what was learned of the rest."""
-    if named.swing.rms < STRUCTURE:
+    if named.swing.rms < STRUCTURE and len(named.parts) < 2:
         return named, "effect" if named.parts else "none"
     tell("learning what no effect explains")
-    # A wrong effect may stand for something unnamed: learning starts from the calibrated block, and from the effects.
+    # Effects may stand for something unnamed, several of them above all: learning starts from the calibrated block too.
     routes = [learn(setup.simulator, onto, tell) for onto in ([plain] if named is plain else [plain, named])]
     best = min(routes, key=lambda t: bic(t.swing))
     learned = any(part.effect == LEARNED for part in best.parts)
-    if not learned or bic(best.swing) > bic(named.swing) - PAYS:
+    if not learned or bic(best.swing) > bic(named.swing) - (PAYS if named.swing.rms >= STRUCTURE else 0.0):
         return named, "unexplained" if named.swing.rms > UNEXPLAINED else "effect" if named.parts else "none"
     if bic(routes[0].swing) < bic(best.swing) + PAYS:
         best = routes[0]
