@@ -15,9 +15,11 @@ from pathlib import Path
 
 from studies.campaigns import CampaignError, read
 from studies.loop.closing import GRAVITY, close
+from studies.loop.dataset import dataset, save
 from studies.loop.finding_file import as_json, write_finding
 from studies.loop.model_file import ModelError, read_model, write_model
 from studies.loop.prediction import write_predictions
+from studies.loop.report import write_report
 
 
 class _Progress:
@@ -43,6 +45,10 @@ def _close(arguments: argparse.Namespace) -> None:
     write_model(replace(finding.after, number=len(campaign.tests)), folder / "model.toml", campaign.title)
     content = as_json(finding, "")
     write_finding(content, folder / "loop.json")
+    tell("writing loop.nc and report.html")
+    tree = dataset(finding)
+    save(tree, folder / "loop.nc")
+    write_report(finding, content, tree, folder / "report.html")
     print(f"{content['verdict']}: {', '.join(content['effects']) or 'no effect'}; held-out error "
           f"{finding.errors['before'].holdout:.3g} -> {finding.errors['after'].holdout:.3g} rad")  # fmt: skip
 

@@ -1,0 +1,194 @@
+"""report.html: all sections, strangers' texts as text, nothing from elsewhere, the numbers of loop.json."""
+
+import dataclasses
+import re
+from html.parser import HTMLParser
+from types import SimpleNamespace
+
+import found
+import numpy as np
+import pytest
+
+from rocking.effects import available
+from studies.loop.dataset import dataset
+from studies.loop.finding_file import as_json
+from studies.loop.report import report, write_report
+from studies.loop.report_figures import Points, binned
+from studies.loop.report_names import page, readable
+from studies.loop.report_text import evidence, interval_digits, number, reason
+
+SECTIONS = (
+    "verdict", "error", "measured", "histories", "residual", "found", "sure", "ruled-out", "twins", "notes", "next",
+    "concluded", "provenance",
+)  # fmt: skip
+VOID = {"meta", "img", "source", "br"}
+
+
+class Page(HTMLParser):
+    """Elements, text and the numbers (`data`) below each element that has an id."""
+
+    def __init__(self, html):
+        super().__init__()
+        self.tags, self.attributes, self.text, self.ids, self.open = [], [], {}, [], []
+        self.numbers = {}
+        self.feed(html)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        attrs = dict(attrs)
+        self.tags.append(tag)
+        self.attributes.append((tag, attrs))
+        if "id" in attrs:
+            self.ids.append(attrs["id"])
+        if tag == "data":
+            for _, id in self.open:
+                self.numbers.setdefault(id, []).append(float(attrs["value"]))
+        if tag not in VOID:
+            self.open.append((tag, attrs.get("id")))
+
+    def handle_endtag(self, tag):
+        assert self.open.pop()[0] == tag, f"{tag} closed out of order"
+
+    def handle_data(self, data):
+        for _, id in self.open:
+            self.text[id] = self.text.get(id, "") + data
+
+
+@pytest.fixture(scope="module", params=["tilted", "plain"])
+def made(request):
+    """(finding, content of loop.json, page) with an effect and without one."""
+    finding = getattr(found, request.param)()
+    content = as_json(finding, "Turn the block round & release it again.")
+    html = report(finding, content, dataset(finding))
+    return finding, content, html
+
+
+def test_verdicts_of_the_two_campaigns():
+    assert (found.tilted().verdict, found.plain().verdict) == ("effect", "none")
+
+
+def test_every_section_is_there_in_order(made):
+    _, content, html = made
+    seen = Page(html)
+    assert not seen.open
+    assert [id for id in seen.ids if id in SECTIONS] == list(SECTIONS)
+    assert content["next_test"] in seen.text["next"]
+    for test in made[0].setup.campaign.tests:
+        assert test.id in seen.text["measured"]
+    words = {"effect": "What the ideal block lacks is base tilt", "none": "Nothing is missing"}
+    assert words[content["verdict"]] in seen.text["verdict"]
+
+
+def test_strangers_texts_are_text(made):
+    finding, _, html = made
+    seen = Page(html)
+    assert "script" not in seen.tags
+    assert "<script" not in html.lower()
+    assert not [a for _, attrs in seen.attributes for a in attrs if a.startswith("on")]
+    assert finding.setup.campaign.title in seen.text[None]
+    assert 'src="x"' not in html
+
+
+def test_nothing_comes_from_elsewhere(made):
+    html = made[2]
+    assert not re.search(r"https?://|//[a-z]+\.|@import|url\(", html, re.IGNORECASE)
+    for tag, attrs in Page(html).attributes:
+        assert tag not in ("script", "link", "iframe", "object", "embed")
+        for name in ("src", "srcset", "href"):
+            assert attrs.get(name, "data:").startswith("data:image/svg+xml;base64,") or name not in attrs
+
+
+def test_numbers_are_those_of_loop_json(made):
+    _, content, html = made
+    seen = Page(html)
+    for stage in ("declared", "before", "after"):
+        expected = [content["error"][stage][key] for key in ("fit", "holdout")]
+        assert seen.numbers[f"error-{stage}"] == expected
+    assert seen.numbers["error-floor"] == [content["error"]["noise_floor"]]
+    for parameter in content["parameters"].values():
+        assert {parameter["value"], parameter["low"], parameter["high"]} <= set(seen.numbers["found"])
+    tried = {row["evidence"] for row in content["candidates"]} - {None}
+    assert tried <= set(seen.numbers["ruled-out"])
+
+
+def test_errors_by_test_are_those_of_the_finding(made):
+    finding, _, html = made
+    numbers = set(Page(html).numbers["error"])
+    for stage in ("before", "after"):
+        for value in finding.errors[stage].by_test.values():
+            assert any(value == pytest.approx(n, rel=1e-9) for n in numbers)
+
+
+def test_pictures_have_a_text_instead(made):
+    pictures = [attrs for tag, attrs in Page(made[2]).attributes if tag == "img"]
+    assert len(pictures) >= 5
+    assert all(attrs["alt"] for attrs in pictures)
+
+
+def test_unexplained_with_a_learned_term(tmp_path):
+    x = np.linspace(-0.2, 0.2, 30)
+    term = SimpleNamespace(
+        label="Spring <odd>", description="stiffens", x=x, y=x**3, low=x**3 - 1e-3, high=x**3 + 1e-3,
+        x_label="rotation [rad]", y_label="torque [rad/s²]",
+    )  # fmt: skip
+    finding = dataclasses.replace(found.tilted(), verdict="unexplained")
+    object.__setattr__(finding, "learned", term)
+    content = as_json(finding, "")
+    write_report(finding, content, dataset(finding), tmp_path / "report.html")
+    assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
+    seen = Page((tmp_path / "report.html").read_text(encoding="utf-8"))
+    assert "learned" in seen.ids
+    assert "Spring <odd>" in seen.text["found"]
+    assert "no effect known to this program explains" in seen.text["verdict"]
+    assert "None is proposed" in seen.text["next"]
+
+
+@pytest.mark.parametrize("name", available())
+def test_every_effect_has_a_page(name):
+    about = page(name)
+    assert about.title and about.sentence
+    assert {"Limits", "Source"} <= {key for key, _ in about.sections}
+    assert all(value for _, value in about.sections)
+
+
+def test_numbers_as_they_are_read():
+    assert [number(v) for v in (None, 0.000227, -12345.0, 0.5)] == ["–", "0.000227", "−12345", "0.5"]
+    assert [evidence(v) for v in (None, 8180.4, 6.61, -2e-7)] == ["–", "8180", "6.6", "0"]
+    # Two digits of the half-width 1.4e-5: the value to the sixth decimal.
+    assert number(0.002188, interval_digits(0.002188, 0.002174, 0.002202)) == "0.002188"
+    assert readable("table_pitch[acceleration]") == "Table pitch (acceleration)"
+
+
+def test_reasons():
+    rows = [
+        {"effect": "base_tilt", "form": "base_tilt", "evidence": 1000.0},
+        {"effect": "eccentric_mass", "form": "eccentric_mass", "evidence": 995.0},
+        {"effect": "rounded_edges", "form": "rounded_edges", "evidence": 960.0},
+        {"effect": "quadratic_drag", "form": "quadratic_drag", "evidence": 80.0},
+        {"effect": "sliding", "form": "sliding", "evidence": -3.0},
+        {"effect": "tether", "form": "tether[left]", "evidence": None, "not_refitted": "score 1.2"},
+    ]
+    content = {"verdict": "effect", "candidates": rows, "indistinguishable": [["base_tilt", "eccentric_mass"]]}
+    assert [reason(row, content, ("base_tilt",)) for row in rows] == [
+        "in the model after",
+        "cannot be told apart from what was chosen",
+        "comes near, but leaves 40 more than the best one",
+        "explains 8 % of what the best one does",
+        "explains nothing",
+        "not refitted: its score 1.2 is too small",
+    ]
+
+
+def test_bins_hold_all_points_and_their_errors_are_of_weighted_means():
+    rng = np.random.default_rng(0)
+    x, sd = rng.uniform(-1.0, 1.0, 400), rng.uniform(0.5, 2.0, 400)
+    y = 3.0 * x + sd * rng.standard_normal(400)
+    at, mean, error = binned(x, y, sd)
+    assert 6 <= at.size <= 9
+    assert np.all(np.abs(mean - 3.0 * at) < 4.0 * error)
+    at, mean, error = binned(np.repeat([1.0, 2.0], 8), np.arange(16.0), np.ones(16), steps=True)
+    assert at.tolist() == [1.0, 2.0]
+    assert mean.tolist() == [3.5, 11.5]
+    # Scatter of 0..7 about its mean, variance 6, over eight points.
+    assert error == pytest.approx(np.sqrt(6.0 / 8.0))
+    assert Points(x, y, y, sd).over_noise("before") > 1.0
