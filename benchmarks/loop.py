@@ -1,0 +1,221 @@
+"""The loop on campaigns of a virtual laboratory whose truth is hidden from it: what it finds, and what that costs.
+
+Cases    one campaign for each effect and seed (tests/studies/loop/laboratory, which shares no code with the package):
+         named effects, effects on no list (right answer: unexplained), pairs, clean ones; by option weak ones, spoiled
+         records, accelerometers in place of the rotation, outcomes alone.
+Peers    the calibrated baseline of the same run (error before), and the true model under the same noise of base and
+         leans (the floor): the loop's error after the effect stands between the two.
+Measure  verdict, effects traced (as named, by a twin, in a set that cannot be told apart), false alarms, share of true
+         parameters within their 95 % interval, error on later tests over the floor, claimed over true error, CPU time.
+Run      python benchmarks/loop.py [--effects a b c+d null] [--seeds N] [--jobs 1] [--channel ...] [--nuisances ...]
+         ->  a table, and benchmarks/results/loop.csv (or --csv)
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import os
+import shlex
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from tqdm import tqdm
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tests" / "studies" / "loop"))
+
+from laboratory.campaign import NUISANCES, make_campaign  # noqa: E402
+from laboratory.effects import NAMED, UNNAMED  # noqa: E402
+from laboratory.judge import judge  # noqa: E402
+from laboratory.outcomes import make_outcomes  # noqa: E402
+from laboratory.truth import Truth, read_truth  # noqa: E402
+
+RESULTS = ROOT / "benchmarks" / "results" / "loop.csv"
+PAIRS = (
+    "rounded_edges+viscous_damping",
+    "base_tilt+velocity_dependent_restitution",
+    "base_motion_gain+rotation_offset",
+    "quadratic_drag+tether",
+)
+TIME_LIMIT = 3600.0  # s for a campaign
+COLUMNS = ("verdict", "effects", "traced", "before", "after", "floor", "after_over_floor", "claimed_over_true", "cpu_s")
+
+
+@dataclass(frozen=True)
+class Case:
+    """A campaign to make."""
+
+    effects: tuple[str, ...]
+    seed: int
+    strength: str
+    channel: str
+    nuisances: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """What it is called in the table."""
+        odd = "" if self.strength == "strong" else f"-{self.strength}"
+        kind = "" if self.channel == "rotation" else f"-{self.channel}"
+        return f"{'+'.join(self.effects) or 'null'}{odd}{kind}-{self.seed}"
+
+
+def made(case: Case, folder: Path) -> Truth:
+    """The campaign on disk; one that is there already is kept."""
+    if not (folder / "truth" / "truth.toml").exists():
+        if case.channel == "outcome":
+            make_outcomes(case.seed, case.effects, folder)
+        else:
+            make_campaign(
+                case.seed, case.effects, folder, strength=case.strength, channel=case.channel,
+                nuisances=case.nuisances, name=case.name,
+            )  # fmt: skip
+    return read_truth(folder / "truth")
+
+
+def timed(command: Sequence[str], log: Path) -> tuple[float, float]:
+    """(CPU, wall) seconds of a command whose output goes to `log`; RuntimeError if it fails or takes too long."""
+    start = time.monotonic()
+    with log.open("wb") as out:
+        process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, cwd=ROOT)
+        while True:
+            pid, status, usage = os.wait4(process.pid, os.WNOHANG)
+            if pid:
+                break
+            if time.monotonic() - start > TIME_LIMIT:
+                process.kill()
+                os.wait4(process.pid, 0)
+                process.returncode = -9
+                raise RuntimeError(f"took more than {TIME_LIMIT:g} s")
+            time.sleep(0.1)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        tail = log.read_text(errors="replace").strip().splitlines()[-1:]
+        raise RuntimeError(f"exit status {process.returncode}: {' '.join(tail)}")
+    return usage.ru_utime + usage.ru_stime, time.monotonic() - start
+
+
+def closed(case: Case, folder: Path, command: Sequence[str]) -> dict[str, Any]:
+    """One campaign through the loop and before the judge; a run that fails is a row that says so."""
+    truth = made(case, folder)
+    loop, ahead = folder / "loop", str(folder / "predict" / "campaign.toml")
+    row: dict[str, Any] = {"case": case.name, "truth": "+".join(truth.effects), "failed": ""}
+    try:
+        cpu, wall = timed(
+            [*command, str(folder / "campaign" / "campaign.toml"), "--out", str(loop)], folder / "loop.log"
+        )
+        for model, out in (("model", "predict"), ("baseline", "predict-baseline")):
+            log = folder / f"{out}.log"
+            timed([*command, "predict", str(loop / f"{model}.toml"), ahead, "--out", str(loop / out)], log)
+        row |= judge(loop, truth) | {"cpu_s": cpu, "wall_s": wall}
+    except (RuntimeError, ValueError, OSError, KeyError) as error:
+        row["failed"] = f"{type(error).__name__}: {error}"
+    return row
+
+
+def shown(value: Any) -> str:
+    """A cell of the table."""
+    if isinstance(value, float):
+        return f"{value:.3g}"
+    return "-" if value is None or value == "" else str(value)
+
+
+def _share(rows: Iterable[dict[str, Any]], key: str, *values: Any) -> str:
+    found = [r[key] in values for r in rows if r.get(key) is not None]
+    return f"{sum(found)}/{len(found)}"
+
+
+def summary(rows: Sequence[dict[str, Any]]) -> list[str]:
+    """Lines on all rows that did not fail."""
+    done = [r for r in rows if not r["failed"]]
+    known = [r for r in done if r["truth"] and set(r["truth"].split("+")) <= set(NAMED)]
+    unknown = [r for r in done if r["truth"] and r not in known]
+    null = [r for r in done if not r["truth"]]
+    covered, given = (sum(r[k] for r in known) for k in ("covered", "parameters"))
+
+    def median(key: str, some: Sequence[dict[str, Any]]) -> str:
+        values = [r[key] for r in some if r.get(key) is not None]
+        return f"{np.median(values):.3g}" if values else "-"
+
+    return [
+        f"failed                {len(rows) - len(done)}/{len(rows)}",
+        f"clean, called none    {_share(null, 'verdict', 'none')}",
+        f"named, traced         {_share(known, 'traced', 'exact', 'twin', 'set')}"
+        f"  (as named {_share(known, 'traced', 'exact')})",
+        f"named, error halved   {_share(known, 'halved', True)}",
+        f"no name, unexplained  {_share(unknown, 'verdict', 'unexplained')}",
+        f"no name, error halved {_share(unknown, 'halved', True)}",
+        f"intervals that cover  {covered}/{given}",
+        f"error after / floor   {median('after_over_floor', [*known, *null])} (named and clean), "
+        f"{median('after_over_floor', unknown)} (no name)",
+        f"claimed / true error  {median('claimed_over_true', done)}",
+        f"CPU time              {median('cpu_s', done)} s",
+    ]
+
+
+def report(rows: Sequence[dict[str, Any]], path: Path) -> None:
+    """The table on the screen, every figure in the CSV."""
+    width = max(len(r["case"]) for r in rows)
+    print(" ".join([" " * width, *(f"{c:>16.16}" for c in COLUMNS)]))
+    for row in rows:
+        cells = [f"{row['failed']:.100}"] if row["failed"] else [f"{shown(row.get(c)):>16.40}" for c in COLUMNS]
+        print(" ".join([f"{row['case']:<{width}}", *cells]))
+    print("\n".join(summary(rows)))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    head = list(dict.fromkeys(k for r in rows for k in r))
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, head, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in r.items()} for r in rows)
+
+
+def arguments() -> argparse.Namespace:
+    """What the command line says."""
+    known = ["null", *NAMED, *UNNAMED]
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--effects", nargs="+", default=[*known, *PAIRS], help="names, pairs as a+b, null for none")
+    parser.add_argument("--seeds", type=int, default=1, help="campaigns for each")
+    parser.add_argument("--first-seed", type=int, default=1001)
+    parser.add_argument("--jobs", type=int, default=1, help="campaigns at a time")
+    parser.add_argument("--strength", choices=("strong", "weak"), default="strong")
+    parser.add_argument("--channel", choices=("rotation", "block_acceleration", "outcome"), default="rotation")
+    parser.add_argument("--nuisances", nargs="*", default=[], choices=NUISANCES)
+    parser.add_argument("--folder", type=Path, help="keep campaigns and runs here (campaigns there are used again)")
+    parser.add_argument("--csv", type=Path, default=RESULTS)
+    parser.add_argument("--command", default=f"{sys.executable} -m studies.loop", help="what is judged")
+    options = parser.parse_args()
+    for effect in options.effects:
+        for part in effect.split("+"):
+            if part not in known:
+                parser.error(f"--effects {part!r}: want some of {', '.join(known)}")
+    return options
+
+
+def main() -> None:
+    options = arguments()
+    cases = [
+        Case(
+            () if e == "null" else tuple(e.split("+")), options.first_seed + k,
+            options.strength, options.channel, tuple(options.nuisances),
+        )
+        for e in options.effects
+        for k in range(options.seeds)
+    ]  # fmt: skip
+    command = shlex.split(options.command)
+    with tempfile.TemporaryDirectory() as scratch, ThreadPoolExecutor(options.jobs) as pool:
+        folder = options.folder or Path(scratch)
+        tasks = [pool.submit(closed, case, (folder / case.name).resolve(), command) for case in cases]
+        rows = [task.result() for task in tqdm(tasks, desc="campaigns", unit="campaign")]
+    report(rows, options.csv)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,107 @@
+"""A rigid block of three degrees of freedom on springs and dashpots that push and never pull.
+
+Two springs at the corners, or a bed of many under the base.  A soft floor, and with stiff springs of little damping a
+block that bounces: nothing about impacts is put in, so what the law of restitution would be comes out of the contact.
+Friction is Coulomb's with a steep ramp through zero slip.  Small fixed steps; rotation positive clockwise.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from .event import FALLEN, GRAV, IC, B, H, M, Response, base
+from .parameters import INDEX, World
+
+MU, K, CD, NS = (INDEX[k] for k in ("friction", "stiffness", "damping", "springs"))
+CREEP = 2e-3  # m/s
+STEP = 4e-5  # s
+
+
+@njit
+def rate(x, c, y, P):
+    """Accelerations (x, z, theta) of the centre of mass over the floor, state y = (x, z, theta, x', z', theta')."""
+    ax, az, _, _, _ = base(x, c)
+    n = int(P[NS])
+    k, d = P[K], P[CD]
+    if n > 2:
+        k, d = k / n, d / n
+    cs, sn = np.cos(y[2]), np.sin(y[2])
+    fx, fz, torque = -P[M] * ax, -P[M] * (P[GRAV] + az), 0.0
+    for i in range(n):
+        xi = P[B] * (2.0 * i / (n - 1) - 1.0)
+        rx, rz = xi * cs - P[H] * sn, -xi * sn - P[H] * cs
+        depth = -(y[1] + rz)
+        if depth <= 0.0:
+            continue
+        push = max(0.0, k * depth - d * (y[4] - rx * y[5]))
+        drag = -P[MU] * push * min(1.0, max(-1.0, (y[3] + rz * y[5]) / CREEP))
+        fx += drag
+        fz += push
+        torque += drag * rz - push * rx
+    return fx / P[M], fz / P[M], torque / P[IC]
+
+
+@njit
+def advance(x, h, c, y, P):
+    """One classical Runge-Kutta step, in place."""
+    a = rate(x, c, y, P)
+    k1 = np.array((y[3], y[4], y[5], a[0], a[1], a[2]))
+    z = y + 0.5 * h * k1
+    a = rate(x + 0.5 * h, c, z, P)
+    k2 = np.array((z[3], z[4], z[5], a[0], a[1], a[2]))
+    z = y + 0.5 * h * k2
+    a = rate(x + 0.5 * h, c, z, P)
+    k3 = np.array((z[3], z[4], z[5], a[0], a[1], a[2]))
+    z = y + h * k3
+    a = rate(x + h, c, z, P)
+    k4 = np.array((z[3], z[4], z[5], a[0], a[1], a[2]))
+    y += h / 6.0 * (k1 + 2 * k2 + 2 * k3 + k4)
+
+
+@njit
+def run(C, h, every, y, P, out, sub):
+    """Fill out[(sample), (theta, theta', theta'', x'', z'')]; the sample at which it had fallen, -1 if it stood."""
+    d = h / sub
+    for k in range(C.shape[0] + 1):
+        c, x0 = C[min(k, C.shape[0] - 1)], (0.0 if k < C.shape[0] else h)
+        if k % every == 0:
+            a = rate(x0, c, y, P)
+            out[k // every] = np.array((y[2], y[5], a[2], a[0], a[1]))
+        if abs(y[2]) > FALLEN:
+            return k // every + 1
+        if k == C.shape[0]:
+            break
+        for i in range(sub):
+            advance(i * d, d, c, y, P)
+    return -1
+
+
+def start(world: World, theta0: float) -> np.ndarray:
+    """At rest on its springs, or held at a lean with its weight on one corner."""
+    weight = world.mass * world.gravity
+    if theta0 == 0.0:
+        depth = weight / (world.stiffness * (2 if world.springs == 2 else 1))
+        return np.array([0.0, world.centre_height - depth, 0.0, 0.0, 0.0, 0.0])
+    one = world.stiffness / (1 if world.springs == 2 else world.springs)
+    phi = abs(theta0)
+    height = world.half_breadth * np.sin(phi) + world.centre_height * np.cos(phi) - weight / one
+    if world.springs > 2:
+        # A bed takes the weight on several springs: sink until they carry it.
+        xi = world.half_breadth * np.linspace(-1, 1, int(world.springs))
+        low, high = height, height + weight / one
+        for _ in range(60):
+            height = 0.5 * (low + high)
+            depth = -(height - xi * np.sin(phi) - world.centre_height * np.cos(phi))
+            low, high = (height, high) if one * np.maximum(depth, 0).sum() > weight else (low, height)
+    return np.array([0.0, height, theta0, 0.0, 0.0, 0.0])
+
+
+def simulate(world: World, felt: np.ndarray, h: float, every: int, theta0: float) -> Response:
+    """Rotation of a block on springs; there is no list of impacts."""
+    n = felt.shape[0] // every + 1
+    out = np.full((n, 5), np.nan)
+    fell = run(felt, h, every, start(world, theta0), world.vector(), out, max(1, round(h / STEP)))
+    theta, w, a, x, z = out.T.copy()
+    centre = np.stack([x, z], axis=1)
+    return Response(h * every * np.arange(n), theta, w, a, np.zeros((0, 3)), None if fell < 0 else fell, centre)

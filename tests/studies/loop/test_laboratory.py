@@ -1,0 +1,309 @@
+"""The virtual laboratory against closed forms, computer algebra, published impacts and the package's own solvers.
+
+It shares no code with them, so agreement to the accuracy of both is evidence for both.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import sympy
+from laboratory import contact, event, slip, table
+from laboratory.effects import Lab
+from laboratory.instruments import point_acceleration
+from laboratory.parameters import G, housner, uniform
+from scipy.integrate import quad
+
+from rocking import Block, Method1, solve
+from rocking.effects import load
+
+BREADTH, HEIGHT, RESTITUTION, LEAN = 0.2, 0.6, 0.92, 0.16
+BLOCK = Block(BREADTH, HEIGHT)
+WORLD = uniform(BREADTH, HEIGHT, BLOCK.mass, RESTITUTION)
+STEP = 0.001  # s
+END = 4.0  # s
+TIME = STEP * np.arange(round(END / STEP) + 1)
+STILL = np.zeros(TIME.size)
+RNG = np.random.default_rng(11)
+
+
+class Growing:
+    """A sinusoid at 3 Hz that grows to 7 m/s^2, as both simulators see it."""
+
+    max_step = 0.005
+    breakpoints = (0.0,)
+    has_pitch = False
+    parameters = np.array([7.0 / END, 6.0 * math.pi])
+
+    @staticmethod
+    def kernel(xp, t, par):
+        return par[0] * t * xp.sin(par[1] * t), 0.0 * t
+
+
+def floor(ax=STILL, az=STILL, pitch=(STILL, STILL, STILL)):
+    return table.pieces(STEP, ax, az, pitch)
+
+
+AT_REST = floor()
+GROWING = floor(Growing.kernel(np, TIME, Growing.parameters)[0])
+
+
+def test_impacts_of_a_free_block() -> None:
+    """Nonlinear free rocking from alpha / 2 of a block of 0.2 x 0.8 m, g = 9.81, Housner's e: computed to six digits
+    by solve_ivp with events when the project began."""
+    world = replace(uniform(0.2, 0.8, 30.0, housner(0.2, 0.8)), gravity=9.81)
+    found = event.simulate(world, AT_REST, STEP, 4, 0.5 * world.alpha).impacts[:5, 0]
+    assert found == pytest.approx([0.312309, 0.820592, 1.251877, 1.625867, 1.954508], abs=1e-6)
+
+
+def test_quarter_period_from_the_energy_integral() -> None:
+    """Time from a release to the first impact: the integral of d theta / theta' with theta' from the potential."""
+    p2 = WORLD.mass * G * math.hypot(WORLD.half_breadth, WORLD.centre_height) / WORLD.corner_inertia
+    far = math.cos(WORLD.alpha - LEAN)
+    # theta = LEAN (1 - u^2) takes away the singularity at rest.
+    time, _ = quad(
+        lambda u: 2 * LEAN * u / math.sqrt(2 * p2 * (far - math.cos(WORLD.alpha - LEAN * (1 - u * u)))), 1e-9, 1.0
+    )
+    first = event.simulate(WORLD, AT_REST, STEP, 4, LEAN).impacts[0, 0]
+    assert first == pytest.approx(time, abs=1e-8)
+
+
+def test_energy_is_lost_at_impacts_alone() -> None:
+    response = event.simulate(WORLD, AT_REST, STEP, 1, LEAN)
+    R = math.hypot(WORLD.half_breadth, WORLD.centre_height)
+    potential = WORLD.mass * G * R * (np.cos(WORLD.alpha - np.abs(response.rotation)) - math.cos(WORLD.alpha))
+    energy = 0.5 * WORLD.corner_inertia * response.velocity**2 + potential
+    impacts = response.impacts[:6, 0]
+    for swing, (a, b) in enumerate(zip(np.insert(impacts, 0, 0.0), impacts, strict=False)):
+        inside = energy[(response.time > a) & (response.time < b)]
+        assert np.ptp(inside) < 1e-10 * energy[0]
+        assert inside[0] == pytest.approx(energy[0] * RESTITUTION ** (2 * swing), rel=1e-9)
+
+
+WEIGHT = BLOCK.mass * G
+SAME = {
+    "ideal": ([], {}),
+    "rounded_edges": ([load("rounded_edges")(radius=0.004)], {"radius": 0.004}),
+    "concave_base": ([load("concave_base")(breadth=0.19)], {"half_breadth": 0.095}),
+    "mass_distribution": (
+        [load("mass_distribution")(height=0.31, inertia=1.05 * WORLD.inertia)],
+        {"centre_height": 0.31, "inertia": 1.05 * WORLD.inertia},
+    ),
+    "base_tilt": ([load("base_tilt")(angle=0.006)], {"tilt": 0.006}),
+    "viscous_damping": ([load("viscous_damping")(coefficient=0.2)], {"viscous": 0.2}),
+    "quadratic_drag": ([load("quadratic_drag")(coefficient=0.2)], {"quadratic": 0.2}),
+    "velocity_dependent_restitution": ([load("velocity_dependent_restitution")(slope=-0.02)], {"slope": -0.02}),
+    "base_adhesion": ([load("base_adhesion")(moment=0.01 * WEIGHT)], {"adhesion": 0.01 * WEIGHT}),
+    "tether": (
+        [load("tether")(slack=0.05, stiffness=0.03 * WEIGHT)],
+        {"tether_stiffness": 0.03 * WEIGHT, "tether_plus": 0.05, "tether_minus": 0.05},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SAME)
+@pytest.mark.parametrize("forced", [False, True])
+def test_impact_times_are_those_of_the_package(name: str, forced: bool) -> None:
+    effects, changes = SAME[name]
+    system = Method1(BLOCK, restitution=RESTITUTION, g=G)
+    theta, motion = (0.0, Growing()) if forced else (LEAN, None)
+    theirs = solve(system, motion, t_end=END, theta=theta, effects=effects, rtol=1e-11, atol=1e-13).impact_times
+    ours = event.simulate(replace(WORLD, **changes), GROWING if forced else AT_REST, STEP, 1, theta).impacts[:, 0]
+    n = min(12, theirs.size)
+    assert n >= 8
+    assert ours[:n] == pytest.approx(theirs[:n], abs=1e-6)
+
+
+def test_an_eccentric_mass_hands_over_as_in_the_package_to_first_order() -> None:
+    """Both part the two restitutions as the balance of angular momentum has them.  The package keeps their geometric
+    mean, the laboratory what is gained over the balance: they differ by the square of offset over breadth, 1e-4."""
+    offset = 0.002
+    ours = event.simulate(replace(WORLD, offset=offset), AT_REST, STEP, 1, LEAN).impacts[:6]
+    system = Method1(BLOCK, restitution=RESTITUTION, g=G)
+    theirs = solve(system, t_end=END, theta=LEAN, effects=[load("eccentric_mass")(offset=offset)]).impact_times[:6]
+    assert ours[:, 0] == pytest.approx(theirs, abs=1e-4)
+    # The centre of mass is far from the corner that takes over after a swing toward +x: more inertia, less speed.
+    far, near = (
+        WORLD.inertia + WORLD.mass * (WORLD.centre_height**2 + (WORLD.half_breadth + k * offset) ** 2) for k in (1, -1)
+    )
+    ratio = np.abs(ours[:, 2] / ours[:, 1])
+    assert ratio[0] / ratio[1] == pytest.approx(near / far, rel=1e-9)
+
+
+def test_equation_of_motion_by_computer_algebra() -> None:
+    """Lagrange's equations of a rolling block with a hanging mass on a floor that moves, tilts and pitches."""
+    t, r, b, h, m, inertia, o, g = sympy.symbols("t r b h m I o g")
+    mass, length, high = sympy.symbols("M l z")
+    phi, psi, beta, x0, z0 = (sympy.Function(n)(t) for n in ("phi", "psi", "beta", "x", "z"))
+
+    def world_place(x, z):
+        """A point of the pitching floor's frame, seen from the ground; the floor's origin moves."""
+        return x0 + x * sympy.cos(beta) + z * sympy.sin(beta), z0 - x * sympy.sin(beta) + z * sympy.cos(beta)
+
+    def of_block(u, w):
+        """A point of the block at (u, w) from the centre of the edge, on the floor."""
+        x = b - r + r * phi + u * sympy.cos(phi) + w * sympy.sin(phi)
+        return x, r - u * sympy.sin(phi) + w * sympy.cos(phi)
+
+    centre = world_place(*of_block(o - (b - r), h - r))
+    hinge = of_block(-(b - r), high - r)
+    bob = world_place(hinge[0] + length * sympy.sin(psi), hinge[1] - length * sympy.cos(psi))
+    kinetic = sympy.Rational(1, 2) * inertia * (phi.diff(t) + beta.diff(t)) ** 2
+    potential = 0
+    for weight, (x, z) in ((m, centre), (mass, bob)):
+        kinetic += sympy.Rational(1, 2) * weight * (x.diff(t) ** 2 + z.diff(t) ** 2)
+        potential += weight * g * z
+    lagrangian = kinetic - potential
+    numbers = {b: 0.1, h: 0.3, m: 70.0, inertia: 2.4, o: 0.003, g: G, r: 0.006, mass: 1.5, length: 0.1, high: 0.35}
+    # One state: angles, rates and the floor's motion; the hanging mass on a floor that tilts but does not turn.
+    for turns in (False, True):
+        if turns:
+            numbers[mass] = 0.0
+        q1, q2, v1, v2, tilt = 0.11, -0.2, 0.7, -0.4, 0.02
+        rate, acc = (0.05, 0.8) if turns else (0.0, 0.0)
+        ax, az = 2.1, -0.7
+        accelerations = sympy.symbols("a1 a2")
+        equations = []
+        for q in (phi, psi):
+            e = lagrangian.diff(q.diff(t)).diff(t) - lagrangian.diff(q)
+            e = e.subs(numbers)
+            for f, values in (
+                (x0, (0, 0, ax)), (z0, (0, 0, az)), (beta, (tilt, rate, acc)),
+                (phi, (q1, v1, accelerations[0])), (psi, (q2, v2, accelerations[1])),
+            ):  # fmt: skip
+                e = e.subs(f.diff(t, 2), values[2]).subs(f.diff(t), values[1]).subs(f, values[0])
+            equations.append(e)
+        unknowns = accelerations[:1] if turns else accelerations
+        solution = sympy.solve(equations[: len(unknowns)], unknowns)
+        world = replace(
+            WORLD, half_breadth=0.1, centre_height=0.3, mass=70.0, inertia=2.4, offset=0.003, radius=0.006, tilt=tilt,
+            slosh_mass=0.0 if turns else 1.5, slosh_length=0.1, slosh_height=0.35,
+        )  # fmt: skip
+        one = np.zeros((5, 4))
+        one[:, 0] = ax, az, 0.0, rate, acc
+        found = event.acceleration(0.0, one, 1.0, q1, v1, q2, v2, 0.0, world.vector())
+        assert found[0] == pytest.approx(float(solution[accelerations[0]]), rel=1e-12)
+        if not turns:
+            assert found[2] == pytest.approx(float(solution[accelerations[1]]), rel=1e-12)
+
+
+def test_left_is_the_mirror_image_of_right() -> None:
+    odd = replace(WORLD, offset=0.002, tilt=0.003, radius=0.002, side=0.01, rib=0.2, rib_period=0.08, layer=3.0,
+                  layer_width=0.02, slosh_mass=0.0)  # fmt: skip
+    even = replace(odd, offset=-0.002, tilt=-0.003, side=-0.01)
+    ax, az = GROWING[:, 0], 0.3 * GROWING[:, 0]
+    turn = 0.01 * ax
+    one = np.stack([ax, az, turn, 0 * ax, 0 * ax], axis=1)
+    other = np.stack([-ax, az, -turn, 0 * ax, 0 * ax], axis=1)
+    a = event.simulate(odd, one, STEP, 4, 0.0).rotation
+    b = event.simulate(even, other, STEP, 4, 0.0).rotation
+    assert np.abs(a).max() > 0.02
+    assert b == pytest.approx(-a, abs=1e-9)
+
+
+def test_friction_that_holds_changes_nothing() -> None:
+    stuck = slip.simulate(replace(WORLD, friction=0.8), AT_REST, STEP, 4, LEAN)
+    assert stuck.impacts[:8, 0] == pytest.approx(event.simulate(WORLD, AT_REST, STEP, 4, LEAN).impacts[:8, 0], abs=1e-8)
+
+
+def test_first_impact_of_a_block_whose_foot_slips_is_that_of_the_package() -> None:
+    """Slip-rocking up to the impact.  Beyond it the laws of impact differ: the package's friction limits the change
+    of angular velocity as well, the laboratory keeps the ratio that is given."""
+    system = Method1(BLOCK, restitution=RESTITUTION, g=G)
+    for friction in (0.15, 0.2):
+        theirs = solve(
+            system, t_end=1.0, theta=0.2, effects=[load("sliding")(friction=friction)], solver="scipy"
+        ).impact_times[0]
+        ours = slip.simulate(replace(WORLD, friction=friction), AT_REST, STEP, 4, 0.2).impacts[0, 0]
+        assert ours == pytest.approx(theirs, abs=1e-7)
+        assert abs(ours - event.simulate(WORLD, AT_REST, STEP, 4, 0.2).impacts[0, 0]) > 1e-4
+
+
+def test_a_block_with_little_friction_slides_and_never_rocks() -> None:
+    """Constant 4 m/s^2 against mu g with mu = 0.2 < b / h: the difference is the slip's acceleration."""
+    response = slip.simulate(replace(WORLD, friction=0.2), floor(STILL + 4.0), STEP, 4, 0.0)
+    assert not response.rotation.any()
+    assert response.centre is not None
+    assert response.centre[1:, 0] == pytest.approx(-(4.0 - 0.2 * G), rel=1e-12)
+
+
+SOFT = replace(WORLD, stiffness=2e6, damping=0.0, friction=0.9)
+
+
+@pytest.mark.parametrize("springs", [2.0, 25.0])
+def test_a_block_stands_still_on_its_springs(springs: float) -> None:
+    stiffness = SOFT.stiffness * (1 if springs == 2 else 2)
+    response = contact.simulate(replace(SOFT, springs=springs, stiffness=stiffness), AT_REST, STEP, 4, 0.0)
+    assert np.abs(response.rotation).max() < 1e-12
+    assert response.centre is not None
+    assert np.abs(response.centre[:, 1]).max() < 1e-6
+
+
+def test_heave_on_two_springs() -> None:
+    """A step of vertical acceleration of the floor: bounce at sqrt(2 k / m) about the new rest."""
+    response = contact.simulate(SOFT, floor(az=STILL + 1.0), STEP, 1, 0.0)
+    assert response.centre is not None
+    omega = math.sqrt(2 * SOFT.stiffness / SOFT.mass)
+    assert response.centre[:400, 1] == pytest.approx(-np.cos(omega * response.time[:400]), abs=2e-3)
+
+
+def test_stiff_corners_that_do_not_bounce_give_housners_restitution() -> None:
+    """Three times the critical damping: what is left to 0.85 of Housner's formula is the contact's duration."""
+    felt = 1.0 / (1.0 / WORLD.mass + WORLD.half_breadth**2 / WORLD.inertia)  # mass that the corner meets
+    hard = replace(WORLD, stiffness=4e8, damping=6 * math.sqrt(4e8 * felt), friction=0.9)
+    response = contact.simulate(hard, AT_REST, STEP, 1, LEAN)
+    t, v = response.time, response.velocity
+    k = int(np.flatnonzero(np.diff(np.sign(response.rotation)))[0])
+    impact = t[k] - response.rotation[k] / v[k]
+    # Straight lines on either side, carried to the impact.
+    before = np.polyval(np.polyfit(t[k - 12 : k - 1], v[k - 12 : k - 1], 1), impact)
+    after = np.polyval(np.polyfit(t[k + 5 : k + 16], v[k + 5 : k + 16], 1), impact)
+    assert after / before == pytest.approx(housner(BREADTH, HEIGHT), abs=0.004)
+
+
+@pytest.mark.parametrize("world", [WORLD, replace(WORLD, radius=0.01, tilt=0.01)])
+def test_accelerometers_read_the_second_derivative_of_their_place(world) -> None:
+    """Place of a point by plane geometry (a rolling disc), differentiated twice over the samples."""
+    response = event.simulate(world, GROWING, STEP, 1, 0.0)
+    x, z = 0.04, 0.5
+    found = point_acceleration(Lab(world), response, GROWING[::1], (x, z), every=1)
+    theta, r = response.rotation, world.radius
+    corner = np.sign(theta) * (world.half_breadth - r)
+    place = np.stack(
+        [
+            corner + r * theta + (x - corner) * np.cos(theta) + (z - r) * np.sin(theta),
+            r - (x - corner) * np.sin(theta) + (z - r) * np.cos(theta),
+        ]
+    )
+    own = (place[:, 2:] - 2 * place[:, 1:-1] + place[:, :-2]) / STEP**2
+    ax = Growing.kernel(np, TIME, Growing.parameters)[0][1:-1]
+    c, s = math.cos(world.tilt), math.sin(world.tilt)
+    fx, fz = G * s - ax * c, -G * c - ax * s
+    total = own - np.stack([fx, fz])
+    inner = theta[1:-1]
+    along = total[0] * np.cos(inner) - total[1] * np.sin(inner)
+    up = total[0] * np.sin(inner) + total[1] * np.cos(inner)
+    # Not across impacts, where the velocity jumps.
+    calm = np.abs(inner) > 0.004
+    calm &= np.sign(theta[2:]) == np.sign(theta[:-2])
+    assert calm.sum() > 500
+    assert found[1:-1][calm] == pytest.approx(np.stack([along, up], axis=1)[calm], abs=2e-3)
+
+
+def test_motions_are_the_derivatives_of_their_displacement() -> None:
+    for motion in (table.ramp(RNG, 3.5, 4.0), table.quake(RNG, 4.0)):
+        t = np.linspace(0.0, motion.end + 0.2, 4001)
+        h = t[1] - t[0]
+        for k in range(4):
+            rough = np.gradient(motion.derivative(k, t), h)
+            exact = motion.derivative(k + 1, t)
+            assert np.abs(rough - exact)[2:-2].max() < 2e-3 * np.abs(exact).max()
+        assert motion.derivative(0, t[-1:])[0] == 0.0
+        assert np.abs(motion.derivative(2, t)).max() == pytest.approx(4.0, rel=0.02)
+
+
+def test_second_harmonic_of_a_sinusoid() -> None:
+    t = 0.002 * np.arange(2000)
+    found = table.second_harmonic(3.0 * np.cos(2 * np.pi * 4.0 * t + 0.3), 0.5)
+    assert found == pytest.approx(3.0 * np.cos(2 * (2 * np.pi * 4.0 * t + 0.3) + 0.5), abs=1e-9)

@@ -1,0 +1,219 @@
+"""Campaigns of the virtual laboratory: what is handed over, what is kept back, and how the judge marks a run."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from laboratory.campaign import make_campaign
+from laboratory.effects import NAMED, UNNAMED, Lab, draw
+from laboratory.judge import check, coverage, judge, tracing
+from laboratory.outcomes import make_outcomes
+from laboratory.parameters import G, uniform
+from laboratory.plans import Plan, respond, worn
+from laboratory.prediction import errors, predicted, rms
+from laboratory.table import ramp
+from laboratory.truth import read_truth
+
+from studies.campaigns import read
+
+
+@pytest.fixture(scope="module")
+def damped(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("damped")
+    return folder, make_campaign(5, ["viscous_damping"], folder, nuisances=["missing", "overturns"])
+
+
+def test_a_campaign_is_read_without_a_word_and_tells_nothing(damped) -> None:
+    folder, truth = damped
+    campaign = read(folder / "campaign" / "campaign.toml")
+    assert not campaign.warnings
+    assert sorted(p.name for p in folder.iterdir()) == ["campaign", "predict", "truth"]
+    assert {t.kind for t in campaign.tests} == {"free", "forced"}
+    assert {math.copysign(1, t.initial_rotation) for t in campaign.tests if t.initial_rotation} == {-1.0, 1.0}
+    assert any(np.isnan(t.rotation).any() for t in campaign.tests)
+    assert any(np.nanmax(np.abs(t.rotation)) > 0.9 for t in campaign.tests)
+    text = (folder / "campaign" / "campaign.toml").read_text() + (folder / "predict" / "campaign.toml").read_text()
+    assert "viscous" not in text
+    assert f"{truth.restitution}" not in text
+
+
+def test_later_tests_have_no_response(damped) -> None:
+    folder, truth = damped
+    ahead = read(folder / "predict" / "campaign.toml")
+    assert len(ahead.to_predict) == len(ahead.tests) == 4
+    assert set(truth.hidden) == {t.id for t in ahead.tests}
+    assert all(truth.hidden[t.id]["time"].size == t.time.size for t in ahead.tests)
+
+
+def test_truth_is_read_back(damped) -> None:
+    folder, truth = damped
+    again = read_truth(folder / "truth")
+    assert replace(again, hidden={}) == replace(truth, hidden={}, about=again.about)
+    for id, columns in truth.hidden.items():
+        assert again.hidden[id]["rotation"] == pytest.approx(columns["rotation"], rel=1e-6, abs=1e-9, nan_ok=True)
+
+
+def test_the_same_seed_gives_the_same_bytes(damped, tmp_path) -> None:
+    folder, _ = damped
+    make_campaign(5, ["viscous_damping"], tmp_path, nuisances=["missing", "overturns"])
+    for path in (folder / "campaign").iterdir():
+        assert path.read_bytes() == (tmp_path / "campaign" / path.name).read_bytes()
+
+
+def test_the_effect_is_seen_and_the_true_model_predicts(damped) -> None:
+    _, truth = damped
+    assert 2.0 < truth.baseline["fit"] / truth.floor["fit"] < 100.0
+    assert truth.baseline["predict"] > 2.0 * truth.floor["predict"]
+    assert truth.floor["fit"] < 4 * truth.noise
+
+
+def test_a_clean_campaign_is_explained_by_the_ideal_block(tmp_path) -> None:
+    """The baseline has a restitution to fit; its error is noise of the sensor, and what noise of the base does."""
+    truth = make_campaign(3, [], tmp_path)
+    assert truth.verdicts == ("none",)
+    assert truth.baseline["fit"] == pytest.approx(truth.floor["fit"], rel=0.05)
+    assert truth.baseline["restitution"] == pytest.approx(truth.restitution, abs=5e-4)
+
+
+def test_accelerometers_at_rest_read_gravity_through_their_mounting(tmp_path) -> None:
+    truth = make_campaign(4, [], tmp_path, channel="block_acceleration")
+    campaign = read(tmp_path / "campaign" / "campaign.toml")
+    test = next(t for t in campaign.tests if t.kind == "forced")
+    assert test.rotation is None
+    quiet = test.time < 0.28
+    for name, along, across in (("acc_left", 1.0, 0.0), ("acc_top", 0.0, -1.0)):
+        # A sensor turned clockwise by a small angle sees -g sin of it along x.
+        turned = truth.about["mounting"][name]
+        expected = G * (along * math.cos(turned) + across * math.sin(turned))
+        n = int(quiet.sum())
+        assert test.data[name][quiet].mean() == pytest.approx(expected, abs=4 * 0.03 / math.sqrt(n))
+
+
+def test_outcomes(tmp_path) -> None:
+    truth = make_outcomes(2, ["concave_base"], tmp_path, motions=3)
+    campaign = read(tmp_path / "campaign" / "campaign.toml")
+    assert campaign.holds_outcomes_alone
+    assert len(campaign.tests) == 18
+    assert len({t.motion for t in campaign.tests}) == 3
+    fallen = [t.overturned for t in campaign.tests]
+    assert any(fallen)
+    assert not all(fallen)
+    assert len(truth.overturned) == len(read(tmp_path / "predict" / "campaign.toml").to_predict)
+
+
+LAB = Lab(uniform(0.2, 0.6, 60.0, 0.92))
+
+
+@pytest.mark.parametrize("name", [*NAMED, *UNNAMED])
+def test_every_effect_moves_what_is_recorded(name: str) -> None:
+    """In a release or a ramp, and (but for those of the base alone) the more the stronger it is."""
+    d = draw(np.random.default_rng(7))
+    motion = ramp(np.random.default_rng(1), 3.0, 6.0)
+    plans = [
+        Plan("a", "free", 250.0, 500, 0.16, 0.16, None, 3),
+        Plan("b", "forced", 250.0, 1700, motion=motion, order=4),
+    ]
+    moved = 0.0
+    lab, _ = (NAMED | UNNAMED)[name](LAB, d, 3.0)
+    for plan in plans:
+        ideal, other = respond(LAB, plan), respond(lab, plan)
+        k = lab.sensors
+        shown = k.rotation_gain * (other.rotation + k.rotation_cubic * other.rotation**3) + k.rotation_offset
+        moved = max(moved, float(np.nanmax(np.abs(shown - ideal.rotation))))
+    if name in ("base_motion_gain", "base_motion_lag"):
+        assert lab.sensors != LAB.sensors
+    else:
+        assert moved > 5e-4
+
+
+def test_wear_counts_tests() -> None:
+    lab, _ = UNNAMED["wear"](LAB, draw(np.random.default_rng(1)), 1.0)
+    assert worn(lab, 5).world.restitution == pytest.approx(0.92 - 5 * lab.wear)
+
+
+def test_error_of_a_test() -> None:
+    measured = np.array([0.0, 0.1, np.nan, 0.1, 1.1, 0.0])
+    # Missing samples and those after overturning are left out.
+    assert rms(np.array([0.0, 0.2, 0.5, 0.1, 0.3, 0.4]), measured) == pytest.approx(math.sqrt(0.01 / 3))
+    # A prediction that falls when the block did not counts as pi / 2 from then on.
+    assert rms(np.array([0.0, np.nan]), np.zeros(2)) == pytest.approx(math.pi / 2 / math.sqrt(2))
+
+
+def finding(**changes):
+    two = {"fit": 1e-3, "holdout": 1e-3}
+    whole = {
+        "verdict": "effect", "effects": ["viscous_damping"], "indistinguishable": [], "candidates": [],
+        "next_test": "", "error": {"declared": two, "before": two, "after": two}, "parameters": {},
+    }  # fmt: skip
+    return whole | changes
+
+
+def written(folder, truth, found, scale):
+    """A run that predicts the truth, and a baseline that is off by `scale`."""
+    loop = folder / "loop"
+    for name, off in (("predict", 1e-5), ("predict-baseline", scale)):
+        (loop / name).mkdir(parents=True)
+        for id, columns in truth.hidden.items():
+            values = np.stack([columns["time"], columns["rotation"] + off], axis=1)
+            np.savetxt(loop / name / f"{id}.csv", values, delimiter=",", header="time,rotation", comments="")
+    (loop / "loop.json").write_text(json.dumps(found))
+    return loop
+
+
+def test_a_perfect_run_is_marked_so(damped, tmp_path) -> None:
+    _, truth = damped
+    c = truth.parameters["viscous_damping.coefficient"]
+    given = {"viscous_damping.coefficient": {"value": 1.01 * c, "low": 0.95 * c, "high": 1.05 * c, "level": 0.95}}
+    marks = judge(written(tmp_path, truth, finding(parameters=given), 1e-3), truth)
+    assert marks["verdict_right"]
+    assert marks["traced"] == "exact"
+    assert marks["halved"]
+    assert (marks["covered"], marks["parameters"]) == (1, 1)
+    assert marks["after"] == pytest.approx(1e-5, rel=1e-3)
+    assert marks["before"] == pytest.approx(1e-3, rel=1e-3)
+    assert marks["claimed_over_true"] == pytest.approx(1e-3 / math.hypot(1e-5, truth.noise), rel=1e-3)
+
+
+def test_tracing(damped) -> None:
+    _, truth = damped
+    twin = replace(truth, effects=("base_tilt",), accepted=(("base_tilt",), ("eccentric_mass",)))
+    pair = replace(truth, effects=("base_tilt", "tether"), accepted=(("base_tilt", "tether"),))
+    assert tracing(["eccentric_mass"], [], twin) == "twin"
+    assert tracing(["quadratic_drag"], [["viscous_damping", "quadratic_drag"]], truth) == "set"
+    assert tracing(["quadratic_drag"], [[*NAMED]], truth) == "no"
+    assert tracing(["quadratic_drag"], [], truth) == "no"
+    assert tracing(["tether"], [], pair) == "part"
+    assert tracing(["tether", "base_tilt"], [], pair) == "exact"
+
+
+def test_gains_are_marked_by_their_departure_from_one(damped) -> None:
+    truth = replace(damped[1], parameters={"base_motion_gain.gain": 1.02})
+    found = coverage({"base_motion_gain.gain": {"value": 1.03, "low": 1.025, "high": 1.035}}, truth)
+    assert found["base_motion_gain.gain"]["error"] == pytest.approx(0.5)
+    assert not found["base_motion_gain.gain"]["covered"]
+
+
+@pytest.mark.parametrize(
+    "changes", [{"verdict": "perhaps"}, {"verdict": "none"}, {"error": {}}, {"effects": []},
+                {"parameters": {"a.b": {"value": 2.0, "low": 0.0, "high": 1.0}}}]
+)  # fmt: skip
+def test_a_malformed_finding_is_an_error(changes) -> None:
+    with pytest.raises(ValueError, match=r"loop\.json"):
+        check(finding(**changes))
+
+
+def test_the_true_model_scores_the_floor(damped) -> None:
+    """The floor is made of the recorded base and fitted leans: what anyone with the right model can reach."""
+    folder, truth = damped
+    campaign = read(folder / "campaign" / "campaign.toml")
+    b = campaign.block
+    world = replace(
+        uniform(b.breadth, b.height, b.mass, truth.restitution),
+        viscous=truth.parameters["viscous_damping.coefficient"],
+    )
+    assert float(np.median(errors(Lab(world), campaign.tests))) == pytest.approx(truth.floor["fit"], rel=0.05)
+    ahead = read(folder / "predict" / "campaign.toml").tests
+    scores = [rms(predicted(Lab(world), t, t.initial_rotation or 0.0), truth.hidden[t.id]["rotation"]) for t in ahead]
+    assert float(np.median(scores)) == pytest.approx(truth.floor["predict"], rel=1e-3)
