@@ -155,6 +155,8 @@ def _advance_assembly(
         fallen += bodies[q.FELL, b] == bodies[q.FELL, b]
     low, high = share_of(movable, worker, workers)
     watch_low, watch_high = share_of(watched.opened.size, worker, workers)
+    pair_low, pair_high = share_of(lists.size[0], worker, workers)
+    until_watch = -step % clock.watch_every
     mine = told[worker * APART :]
     ending, listed = RUNNING, counts[LISTED]
     wait_for_all(counters, worker, workers)  # all have read what the first worker writes in the end
@@ -169,20 +171,21 @@ def _advance_assembly(
                 ending = NO_ROOM
                 break
             lists, spare, which = spare, lists, 1 - which
+            pair_low, pair_high = share_of(lists.size[0], worker, workers)
             listed += 1
             due = 0
         until_save -= 1
         if step == clock.last_step and finishing == FINE:
             finishing = ENDED
         saving = until_save == 0 or finishing != FINE
-        pair_low, pair_high = share_of(lists.size[0], worker, workers)
         if first_step or saving:  # two places, lest the compiler copy it into this loop, which it slows down
             press_pairs(
                 bodies, outline, lists, pair_low, pair_high, rule, judgement, clock.dt, first_step, saving
             )  # fmt: skip
         else:
             press_pairs(bodies, outline, lists, pair_low, pair_high, rule, judgement, clock.dt, False, False)
-        if step % clock.watch_every == 0:
+        if until_watch == 0:
+            until_watch = clock.watch_every
             watch_interfaces(
                 bodies, outline, watched, opening, judgement.reach, step * clock.dt, watch_low, watch_high
             )  # fmt: skip
@@ -198,6 +201,7 @@ def _advance_assembly(
             n += 1
             until_save = clock.save_every
         first_step = False
+        until_watch -= 1
         due, found, fallen = decide(told, workers, fallen, clock.falls)
         step += 1
         if finishing != FINE:
