@@ -47,7 +47,8 @@ def piecewise_linear(motion: Any) -> tuple[Array, Array] | None:
     record = getattr(motion, "piecewise_linear", None)
     if record is None:
         return None
-    t_first, dt, values = float(record[0]), float(record[1]), np.ascontiguousarray(record[2], dtype=np.float64)
+    # A copy of the values, as the compiled code takes no array that is read-only.
+    t_first, dt, values = float(record[0]), float(record[1]), np.array(record[2], dtype=np.float64)
     if not (math.isfinite(t_first) and math.isfinite(dt) and dt > 0.0):
         raise ValueError(f"piecewise_linear: t_first={t_first!r} s, dt={dt!r} s: want finite and dt positive")
     if values.ndim != 1 or values.size == 0 or not np.all(np.isfinite(values)):

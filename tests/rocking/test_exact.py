@@ -332,6 +332,13 @@ def test_too_many_events_end_the_run_as_failed() -> None:
     assert ("max_events=7" in run.reason, len(run.events)) == (True, 8)
 
 
+def test_a_record_that_is_read_only_is_carried() -> None:
+    values = shaking(3, 100, 5.0)
+    values.flags.writeable = False
+    motion: Any = Straight(0.0, 0.02, values)
+    assert solve(linear(0.15, 0.5), motion, t_end=2.0, solver="exact").onset_time > 0.0
+
+
 def test_it_declines_in_a_sentence_what_it_has_no_closed_form_for(slender: Block, window: Any) -> None:
     with pytest.raises(ValueError, match=r"solver='exact' declines: .*nonlinear form has no closed form"):
         solve(Method1(slender), t_end=1.0, solver="exact")

@@ -28,6 +28,32 @@ def test_every_point_of_a_map_is_the_single_run():
             assert int(at.impacts) == len(run.impact_times)
 
 
+@pytest.mark.parametrize("solver", ["taylor", "exact"])
+def test_a_map_by_a_fast_solver_is_that_of_its_single_runs(solver):
+    form = "linear" if solver == "exact" else "nonlinear"
+
+    def build(frequency, b):
+        return Method1(Block(b, 0.5), form=form), RampedSinusoid(frequency, 5.0, 12.0)
+
+    axes = {"frequency": [1.0, 2.0, 4.0], "b": [0.08, 0.15]}
+    ds = overturning_map(build, axes, t_end=3.0, solver=solver)
+    for i, frequency in enumerate(axes["frequency"]):
+        for j, b in enumerate(axes["b"]):
+            run, at = solve(*build(frequency, b), t_end=3.0, save_at=(), solver=solver), ds.isel(frequency=i, b=j)
+            assert (bool(at.overturned), int(at.impacts)) == (run.overturned, len(run.impact_times))
+            assert float(at.peak_rotation) == pytest.approx(run.peak_rotation, abs=1e-10)
+
+
+def test_a_spectrum_goes_through_taylor():
+    alpha, period = [0.15, 0.25], [1.0, 2.0, 3.0]
+    fast, known = (
+        rocking_spectrum(RampedSinusoid(2.0, 4.0, 4.0), period, alpha, t_end=4.0, solver=solver, rtol=1e-11, atol=1e-14)
+        for solver in ("taylor", "numba")
+    )
+    assert fast.overturned.values.tolist() == known.overturned.values.tolist()
+    assert fast.relative_rotation.values == pytest.approx(known.relative_rotation.values, rel=1e-5, nan_ok=True)
+
+
 def test_map_of_the_full_sine_pulse_turns_over_where_theory_says():
     """The edge of the map against the closed form: overturning without an impact under one cycle of a sine."""
     block = Block(0.06, 0.80)  # slender, so that the linear block of the closed form is meant
