@@ -64,6 +64,13 @@ def _evidence(value: float | None) -> Markup:
     return Markup('<data value="{}">{}</data>').format(repr(float(value)), text.evidence(value))
 
 
+def _interval(value: float, low: float, high: float) -> list[Markup]:
+    """A value and the ends of its interval, likewise."""
+    shown = text.with_interval(value, low, high)
+    every = zip((value, low, high), shown, strict=True)
+    return [Markup('<data value="{}">{}</data>').format(repr(float(v)), s) for v, s in every]
+
+
 def _facts(finding: Finding, content: dict[str, Any], tree: xr.DataTree) -> dict[str, Any]:
     campaign = finding.setup.campaign
     tests = tables.tests_of(tree)
@@ -164,7 +171,7 @@ def _panels(tests: list[xr.Dataset]) -> list[dict[str, Any]]:
 def _effect(name: str, content: dict[str, Any]) -> dict[str, Any]:
     own = {k: p for k, p in content["parameters"].items() if k.partition(".")[0] == name}
     rows = [
-        (k.partition(".")[2].replace("_", " "), p, text.interval_digits(p["value"], p["low"], p["high"]))
+        (k.partition(".")[2].replace("_", " "), _interval(p["value"], p["low"], p["high"]), p["units"])
         for k, p in own.items()
     ]
     return {"page": page(name), "parameters": rows}
@@ -183,11 +190,8 @@ def _calibrated(finding: Finding, campaign: Campaign) -> list[dict[str, Any]]:
                 "meaning": meaning,
                 "declared": campaign.conditions.restitution if name == "restitution" else None,
                 "before": finding.before.get(name),
-                "value": value,
-                "low": low,
-                "high": high,
+                "interval": _interval(value, low, high),
                 "units": parameter_units(name),
-                "digits": text.interval_digits(value, low, high),
             }
         )
     return out

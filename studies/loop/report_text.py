@@ -13,6 +13,9 @@ Content = dict[str, Any]
 AT_THE_FLOOR = 1.5
 """Errors up to this many times the noise floor are as good as the noise lets them be."""
 
+MOST_DECIMALS = 8
+"""Smaller numbers are written with an exponent."""
+
 NOTHING = 10.0
 """A fall of chi-square below which a candidate explains nothing."""
 
@@ -23,7 +26,7 @@ def number(value: float | None, digits: int = 3) -> str:
         return "–"
     shown = f"{value:.{digits}g}"
     # Up to a million without an exponent; a minus is no hyphen.
-    return (f"{value:.0f}" if "e+" in shown and abs(value) < 1e6 else shown).replace("-", "−", int(value < 0.0))
+    return (f"{float(shown):.0f}" if "e+" in shown and abs(value) < 1e6 else shown).replace("-", "−", int(value < 0.0))
 
 
 def evidence(value: float | None) -> str:
@@ -31,12 +34,17 @@ def evidence(value: float | None) -> str:
     return "–" if value is None else number(round(value) if abs(value) >= 10.0 else round(value, 1) + 0.0, 6)
 
 
-def interval_digits(value: float, low: float, high: float) -> int:
-    """Significant digits of a value that show its interval to two."""
+def with_interval(value: float, low: float, high: float) -> tuple[str, str, str]:
+    """A value and the ends of its interval, all to the second digit of the half-width."""
     half = 0.5 * (high - low)
-    if not (half > 0.0 and abs(value) > 0.0 and math.isfinite(half)):
-        return 3
-    return min(max(math.floor(math.log10(abs(value))) - math.floor(math.log10(half)) + 2, 2), 7)
+    if not (half > 0.0 and math.isfinite(half)):
+        return number(value), number(low), number(high)
+    decimals = 1 - math.floor(math.log10(half))
+    if 0 < decimals <= MOST_DECIMALS:
+        return tuple(f"{v:.{decimals}f}".replace("-", "−") for v in (value, low, high))  # type: ignore[return-value]
+    size = max(abs(low), abs(high))
+    digits = max(math.floor(math.log10(size)) + 1 + decimals, 2)
+    return number(value, digits), number(low, digits), number(high, digits)
 
 
 def amount(value: float | None, units: str, digits: int = 3) -> str:
@@ -55,8 +63,7 @@ def effect_words(content: Content, name: str) -> str:
     for full, p in content["parameters"].items():
         effect, _, parameter = full.partition(".")
         if effect == name:
-            digits = interval_digits(p["value"], p["low"], p["high"])
-            value, low, high = (number(p[key], digits) for key in ("value", "low", "high"))
+            value, low, high = with_interval(p["value"], p["low"], p["high"])
             unit = "" if p["units"] == "1" else f" {p['units']}"
             found.append(f"{parameter.replace('_', ' ')} {value}{unit}, between {low} and {high}")
     about = page(name)

@@ -15,7 +15,7 @@ from studies.loop.finding_file import as_json
 from studies.loop.report import report, write_report
 from studies.loop.report_figures import Points, binned
 from studies.loop.report_names import page, readable
-from studies.loop.report_text import evidence, interval_digits, number, reason
+from studies.loop.report_text import evidence, number, reason, with_interval
 
 SECTIONS = (
     "verdict", "error", "measured", "histories", "residual", "found", "sure", "ruled-out", "twins", "notes", "next",
@@ -152,10 +152,13 @@ def test_every_effect_has_a_page(name):
 
 
 def test_numbers_as_they_are_read():
-    assert [number(v) for v in (None, 0.000227, -12345.0, 0.5)] == ["–", "0.000227", "−12345", "0.5"]
+    assert [number(v) for v in (None, 0.000227, -12345.0, 0.5)] == ["–", "0.000227", "−12300", "0.5"]
     assert [evidence(v) for v in (None, 8180.4, 6.61, -2e-7)] == ["–", "8180", "6.6", "0"]
-    # Two digits of the half-width 1.4e-5: the value to the sixth decimal.
-    assert number(0.002188, interval_digits(0.002188, 0.002174, 0.002202)) == "0.002188"
+    # Two digits of the half-width 1.4e-5, that is to the sixth decimal; of 2e4, that is to thousands.
+    assert with_interval(0.0021881, 0.0021741, 0.0022021) == ("0.002188", "0.002174", "0.002202")
+    assert with_interval(-0.0045, -0.005, -0.004) == ("−0.00450", "−0.00500", "−0.00400")
+    assert with_interval(513214.0, 493214.0, 533214.0) == ("513000", "493000", "533000")
+    assert with_interval(0.5, 0.5, 0.5) == ("0.5", "0.5", "0.5")
     assert readable("table_pitch[acceleration]") == "Table pitch (acceleration)"
 
 
