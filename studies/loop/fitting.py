@@ -324,7 +324,11 @@ def _slope(p: Parameter, value: float) -> float:
 
 
 def gains(
-    simulator: Simulator, fitted: Fit, candidates: Mapping[str, Sequence[Parameter]], model_of: Mapping[str, LoopModel]
+    simulator: Simulator,
+    fitted: Fit,
+    candidates: Mapping[str, Sequence[Parameter]],
+    model_of: Mapping[str, LoopModel],
+    huber: float = HUBER,
 ) -> dict[str, float]:
     """Score test: by how much each candidate would lower chi-square, to first order from the fit that lacks it.
 
@@ -334,8 +338,9 @@ def gains(
         fitted: the fit without the candidates.
         candidates: parameters by candidate.
         model_of: for each candidate the model with its effect in it, at its absent value.
+        huber: as of the fit.
     """
-    weights = _weights(fitted.residuals, HUBER)
+    weights = _weights(fitted.residuals, huber)
     out = {}
     for name, parameters in candidates.items():
         every = (*fitted.parameters, *parameters)

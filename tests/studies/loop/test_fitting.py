@@ -1,0 +1,127 @@
+"""Fits over windows: derivatives through impacts, planted parameters, and noise that tells how sure they are.
+
+The records are made with the package's SciPy solver and noise; the fits run on the compiled one.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+from excitation import RampedSinusoid
+from rocking import Block, Method1, solve
+from rocking.effects import load
+from studies.campaigns import Channel, DeclaredBlock, Test
+from studies.loop.fitting import Parameter, fit, gains, linearised, robust_covariance
+from studies.loop.model import LoopModel
+from studies.loop.simulation import Job, Simulator
+from studies.loop.spread import redrawn
+from studies.loop.tracing import E
+from studies.loop.windows import record_of, swing_windows, whole_windows
+
+BLOCK = Block(0.2, 0.8, 0.4)
+DECLARED = DeclaredBlock(0.2, 0.8, 0.4, BLOCK.mass)
+NOISE = 2e-4
+TRUE_E, TRUE_C = 0.91, 0.25
+DRAG = Parameter("quadratic_drag.coefficient", 0.05, 0.0, 20.0)
+ROTATION = Channel("rotation", "rotation", NOISE)
+BASE = Channel("base_x", "base_acceleration_x", 0.004)
+
+
+def campaign(seed: int = 0) -> list[Test]:
+    """Three free tests and a forced one of a block with quadratic drag, at 250 Hz."""
+    rng = np.random.default_rng(seed)
+    system, drag = Method1(BLOCK, restitution=TRUE_E, g=9.81), [load("quadratic_drag")(coefficient=TRUE_C)]
+    tests = []
+    for k, lean in enumerate((0.15, -0.19, 0.11)):
+        t = np.arange(1000) * 0.004
+        run = solve(system, theta=lean, t_end=float(t[-1]), save_at=t, effects=drag, solver="scipy")
+        data = {"rotation": run.theta + NOISE * rng.standard_normal(t.size)}
+        tests.append(Test(f"free-{k}", "free", t, (ROTATION,), data, initial_rotation=lean))
+    t = np.arange(1500) * 0.004
+    motion = RampedSinusoid(3.0, 6.0, 6.0)
+    run = solve(system, motion, t_end=float(t[-1]), save_at=t, effects=drag, solver="scipy")
+    data = {
+        "rotation": run.theta + NOISE * rng.standard_normal(t.size),
+        "base_x": motion(t)[0] + 0.004 * rng.standard_normal(t.size),
+    }
+    tests.append(Test("ramp", "forced", t, (ROTATION, BASE), data))
+    return tests
+
+
+@pytest.fixture(scope="module")
+def tests() -> list[Test]:
+    return campaign()
+
+
+@pytest.fixture(scope="module")
+def simulator(tests: list[Test]) -> Simulator:
+    return Simulator(tests)
+
+
+@pytest.fixture(scope="module")
+def windows(tests: list[Test]) -> list:
+    records = [record_of(test, k, NOISE, DECLARED.alpha) for k, test in enumerate(tests)]
+    return swing_windows([r for r in records if r is not None])
+
+
+def model(c: float, e: float = TRUE_E) -> LoopModel:
+    return LoopModel(DECLARED, e, {"quadratic_drag": {"coefficient": c}}, 9.81)
+
+
+# The compiled runs of windows against the solver that shares no code with them, at the looser tolerance.
+def test_a_run_of_the_simulator_is_that_of_the_scipy_solver(tests: list[Test], simulator: Simulator) -> None:
+    [answer] = simulator.run([model(TRUE_C)], [Job(0, 0, tests[0].time, 0.0, 0.15)])
+    truth = solve(
+        Method1(BLOCK, restitution=TRUE_E, g=9.81), theta=0.15, t_end=float(tests[0].time[-1]), save_at=tests[0].time,
+        effects=[load("quadratic_drag")(coefficient=TRUE_C)], solver="scipy",
+    )  # fmt: skip
+    np.testing.assert_allclose(answer.theta, truth.theta, rtol=0.0, atol=1e-6)
+
+
+# Sensitivities go through the impact in each window: two steps a hundred times apart must tell the same slope.
+def test_derivatives_through_impacts_do_not_depend_on_the_step(
+    simulator: Simulator, windows: list, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from studies.loop import fitting
+
+    fine = linearised(simulator, model(TRUE_C), [E, DRAG], windows[:6])
+    monkeypatch.setattr(fitting, "STEP", 2e-2)
+    coarse = linearised(simulator, model(TRUE_C), [E, DRAG], windows[:6])
+    for a, b in zip(fine.by_parameters, coarse.by_parameters, strict=True):
+        np.testing.assert_allclose(a, b, rtol=0.0, atol=0.01 * float(np.abs(b).max()))
+
+
+def test_planted_restitution_and_drag_are_recovered_within_their_intervals(
+    simulator: Simulator, tests: list[Test], windows: list
+) -> None:
+    found = fit(simulator, model(0.05, 0.88), [E, DRAG], windows)
+    assert found.converged
+    # The states at the starts take up some of the noise: two of some forty samples in each window.
+    assert 0.93 < found.rms < 1.02
+    spread = robust_covariance(simulator, redrawn(tests, np.array([0.0, 0.0, 0.0, 0.004])), found)
+    for k, truth in enumerate((TRUE_E, TRUE_C)):
+        value = list(found.values.values())[k]
+        # Four standard deviations: one draw of the noise, and a bound that chance passes once in ten thousand.
+        assert abs(value - truth) < 4.0 * math.sqrt(spread[k, k])
+        assert math.sqrt(spread[k, k]) < 0.05 * truth
+
+
+def test_the_score_of_a_missing_effect_is_what_its_refit_gains(simulator: Simulator, windows: list) -> None:
+    plain = fit(simulator, LoopModel(DECLARED, 0.9, {}, 9.81), [E], windows, huber=math.inf, tolerance=1e-8)
+    absent = plain.model.changed({DRAG.name: 0.0})
+    # Without the weights of Huber the sum of squares is nearly a parabola: score and refit agree.
+    score = gains(simulator, plain, {"drag": [DRAG]}, {"drag": absent}, huber=math.inf)["drag"]
+    refit = fit(simulator, absent.changed({DRAG.name: 0.1}), [E, DRAG], plain.windows, huber=math.inf, tolerance=1e-8)
+    assert plain.chi2 - refit.chi2 > 1000.0
+    assert score == pytest.approx(plain.chi2 - refit.chi2, rel=0.05)
+
+
+def test_the_lean_of_a_free_test_is_fitted_about_what_the_record_says(simulator: Simulator, tests: list[Test]) -> None:
+    records = [record_of(test, k, NOISE, DECLARED.alpha) for k, test in enumerate(tests)]
+    whole = whole_windows([r for r in records if r is not None])
+    found = fit(simulator, model(TRUE_C), [], whole, huber=math.inf, iterations=5)
+    leans = [w.theta for w in found.windows[:3]]
+    np.testing.assert_allclose(leans, [0.15, -0.19, 0.11], rtol=0.0, atol=5e-5)
+    assert found.windows[3].theta == 0.0  # a forced test starts at rest
+    assert found.rms == pytest.approx(1.0, abs=0.15)

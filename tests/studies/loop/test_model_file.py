@@ -1,0 +1,54 @@
+"""Models on disk: what was written reads back, and what is wrong is named."""
+
+from pathlib import Path
+
+import pytest
+
+from studies.campaigns import DeclaredBlock
+from studies.loop.__main__ import main
+from studies.loop.model import LoopModel
+from studies.loop.model_file import ModelError, read_model, write_model
+
+BLOCK = DeclaredBlock(0.2, 0.8, 0.4, 40.0)
+MODEL = LoopModel(
+    BLOCK, 0.9123456789012345, {"rounded_edges": {"radius": 0.0031}, "base_tilt": {"angle": -0.002}}, 9.81, 1e-4, 7
+)
+
+
+def test_a_model_reads_back_to_the_same_bits(tmp_path: Path) -> None:
+    write_model(MODEL, tmp_path / "model.toml", "a title")
+    assert read_model(tmp_path / "model.toml") == MODEL
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "wanted"),
+    [
+        ("radius = ", "radios = ", r"effects.rounded_edges has no 'radios', want one of radius"),
+        ("[effects.rounded_edges]", "[effects.round_edges]", r"effect 'round_edges' is unknown, want one of"),
+        ("radius = 0.0031", "radius = 9.0", r"rounded_edges.radius=9.0 m: want less than half of the breadth"),
+        ("radius = 0.0031", 'radius = "3 mm"', r"effects.rounded_edges.radius='3 mm': want a number"),
+        ("gravity = 9.81", "", r"model.gravity=None: want a number"),
+        ("[block]", "[blok]", r"has no table \[block\]"),
+        ("breadth = ", "width = ", r"want breadth, height, depth and mass"),
+    ],
+)
+def test_what_is_wrong_with_a_model_is_named(tmp_path: Path, old: str, new: str, wanted: str) -> None:
+    path = tmp_path / "model.toml"
+    write_model(MODEL, path)
+    text = path.read_text()
+    assert text.count(old) == 1
+    path.write_text(text.replace(old, new))
+    with pytest.raises(ModelError, match=wanted):
+        read_model(path)
+
+
+def test_a_model_that_is_not_there_ends_the_command_with_a_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["predict", str(tmp_path / "model.toml"), str(tmp_path), "--out", str(tmp_path / "out")]) == 2
+    assert "model.toml: cannot be read" in capsys.readouterr().err
+
+
+def test_restitution_drifts_with_the_number_of_the_test() -> None:
+    assert MODEL.in_test(3).restitution_now == pytest.approx(MODEL.restitution + 1e-4 * 10, rel=1e-15)
+    assert LoopModel(BLOCK, 0.9).in_test(3).number == 0
