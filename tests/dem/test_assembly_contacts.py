@@ -242,7 +242,9 @@ def test_two_workers_give_the_same_bits_as_one(name):
         return amplitude * np.sin(2.0 * math.pi * 2.5 * t), 2.0 * np.sin(17.0 * t)
 
     one, two = (
-        dem.simulate_assembly(scene, motion, t_end=0.03, contact=STEADY, workers=n, criteria=dem.Criteria(stop="never"))
+        dem.simulate_assembly(
+            scene, motion, t_end=0.03, contact=STEADY, workers=n, settle=False, criteria=dem.Criteria(stop="never")
+        )
         for n in (1, 2)
     )
     for quantity in ("x", "z", "theta", "omega"):
