@@ -9,6 +9,7 @@ Status  `simulate`: one convex body on a flat base, the fastest; `simulate_assem
 
 from dem.assembly import Assembly, Body, Wall, block, bodies_of, body, wall
 from dem.assembly_history import AssemblyHistory, Ending, Fall, Separation
+from dem.assembly_settings import ContactJudgement, Criteria
 from dem.assembly_stability import assembly_critical_step
 from dem.history import Energies, History, Mode, Outcome
 from dem.materials import Contact
@@ -16,7 +17,7 @@ from dem.scenes import Scene, single_block, single_polygon
 from dem.scenes_standing import arch, bookshelf, column, drum_column, rubble, running_bond, single
 from dem.shapes import Polygon, convex, polygon, rectangle
 from dem.simulate import Motion, simulate
-from dem.simulate_assembly import ContactJudgement, Criteria, simulate_assembly
+from dem.simulate_assembly import simulate_assembly
 from dem.stability import critical_step, eq7_step
 
 __all__ = [

@@ -25,7 +25,7 @@ from dem.motion_of_bodies import BLOWN_UP, FALLEN, LEFT, Field, Limits
 from dem.table_motion import Motion, frame_at, pitches
 
 if TYPE_CHECKING:
-    from dem.simulate_assembly import ContactJudgement, Criteria
+    from dem.assembly_settings import ContactJudgement, Criteria
 
 HEADROOM = 10.0  # a run this many times faster than its forces can make it has blown up
 LARGEST_WAY = 0.475  # two bodies come nearer by twice this share of the skin before contacts are listed again
