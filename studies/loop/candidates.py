@@ -111,8 +111,8 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
         Candidate(
             "compliant_base", "compliant_base",
             (
-                Parameter("compliant_base.corner_stiffness", 0.3, 1e-3 * soft[0], 1e4 * soft[1], True),
-                Parameter("compliant_base.damping_ratio", 0.3, 1e-3, 5.0, True),
+                Parameter("compliant_base.corner_stiffness", 0.3, 1e-3 * soft[0], 30.0 * soft[1], True),
+                Parameter("compliant_base.damping_ratio", 0.3, 1e-3, 2.0, True),
             ),
             tuple({"compliant_base.corner_stiffness": k, "compliant_base.damping_ratio": 0.15} for k in soft), {},
             smooth=False,
