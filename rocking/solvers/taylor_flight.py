@@ -10,7 +10,7 @@ S' = -v C, C' = v S.  Sine and cosine are themselves polynomials about pi/4, so 
 
 Source   Winkler, Meguro & Yamazaki (1995), eqs (2)-(3), in the form of `rocking.method1`; recurrences: Moore (1966),
          Interval Analysis, ch. 11, and Griewank & Walther (2008), Evaluating Derivatives, ch. 13.
-Status   degree nine; for steps of at most LONGEST in p t the first term left out of a linear flight is below 1e-17 of
+Status   degree nine; for steps of at most LONGEST in p t the first term left out of a linear flight is below 1e-18 of
          the tilts at play.
 """
 
@@ -26,7 +26,7 @@ from rocking.solvers.taylor_vector import emitted, fma_of, lanes_type, most_of
 DEGREE = 9
 """Of the polynomial of x; the functions of `rocking.solvers.exact_polynomial` take the same ten coefficients."""
 
-LONGEST = 1.0 / 12.0
+LONGEST = 1.0 / 16.0
 """Longest step in p t; the nonlinear block takes shorter ones where its last terms are not small."""
 
 LONGEST_TURN = 1.0 / 8.0

@@ -41,7 +41,7 @@ PATIENCE = 4
 """Turns of the loop for which a lane near the floor waits for others before its impact is looked for."""
 
 
-TAIL = 1e-13
+TAIL = 1e-14
 """Largest size of the last two terms of a nonlinear flight: what is left out is some hundred times less."""
 
 LOW = 0.01
