@@ -22,7 +22,7 @@ def as_json(finding: Finding, next_test: str) -> dict[str, Any]:
     errors = {name: {"fit": e.fit, "holdout": e.holdout} for name, e in finding.errors.items()}
     content = {
         "verdict": finding.verdict,
-        "effects": list(finding.chosen.effects),
+        "effects": list(dict.fromkeys(finding.chosen.effects)),
         "parameters": parameters,
         "indistinguishable": [list(names) for names in finding.indistinguishable],
         "error": {
@@ -44,7 +44,7 @@ def as_json(finding: Finding, next_test: str) -> dict[str, Any]:
 def _candidates(finding: Finding) -> list[dict[str, Any]]:
     """What was tried in the round that decided: held-out error where it was computed, fall of chi-square."""
     held = {r.trial.names[-1]: r.holdout for r in finding.rivals}
-    deciding = finding.rounds[max(0, len(finding.chosen.parts) - 1)]
+    deciding = finding.rounds[min(max(0, len(finding.chosen.parts) - 1), len(finding.rounds) - 1)]
     rows = [
         {
             "effect": t.parts[-1].effect,
