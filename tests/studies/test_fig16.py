@@ -130,7 +130,7 @@ def test_same_plan_gives_the_same_numbers(quick):
         (["--blocks", "9"], "--blocks 9: want one of 1, 2, 3, 4, 5, 6, 7"),
         (["--blocks", "one"], "--blocks one: want one of 1, 2, 3, 4, 5, 6, 7"),
         (["--methods", "method3"], "--methods method3: want one of method1, method2, dem"),
-        (["--solver", "euler"], "--solver euler: want one of diffrax, exact, numba, scipy"),
+        (["--solver", "euler"], "--solver euler: want one of diffrax, exact, numba, scipy, taylor"),
         (["--friction", "-0.1"], "--friction -0.1: want a number of 0 or more"),
         (["--friction", "nan"], "--friction nan: want a number of 0 or more"),
         (["--friction", "1.5"], "--friction 1.5: want below 4/3 with Method 2 (a corner may jam)"),

@@ -79,7 +79,7 @@ def test_solvers_give_the_same_criterion():
 def test_a_solver_that_declines_is_said_with_its_sentence():
     found = overturning("method2", specimen(3), 3.0, replace(SETTINGS, solver="exact"))
     assert math.isnan(found.amplitude)
-    assert found.note.startswith("declined: solver='exact' declines: it carries the linear Method 1 alone")
+    assert found.note.startswith("declined: solver='exact' declines: it carries linear Method 1 alone")
 
 
 def test_closed_form_gives_the_same_criterion_as_the_integrator():
