@@ -95,12 +95,12 @@ class Effect:
         return form
 
     def modes(self, method: Method1) -> System:
-        """The block under a method that has the effect's modes."""
-        raise NotImplementedError
+        """The block under a method that has the effect's modes; an effect that acts on none is not asked."""
+        raise ValueError(f"{self.name}: it acts in the ways {sorted(self.ways())}, not on the modes")
 
     def freedoms(self, system: ComposedMethod1) -> System:
-        """A system with the effect's freedoms besides."""
-        raise NotImplementedError
+        """A system with the effect's freedoms besides; an effect that has none is not asked."""
+        raise ValueError(f"{self.name}: it acts in the ways {sorted(self.ways())}, without further freedoms")
 
     def base_motion(self, motion: BaseMotion, span: tuple[float, float], g: float) -> BaseMotion:
         """What the base really does, over the span [s]."""
