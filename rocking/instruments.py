@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rocking.hybrid import Anchor, Base, Discrete, bind_hooks, in_floor_axes
+from rocking.hybrid import Anchor, Base, Discrete, System, bind_hooks, in_floor_axes
 from rocking.motion import base_at
 from rocking.trajectory import Trajectory
 
@@ -37,18 +37,22 @@ class _Motion(NamedTuple):
 
 
 def _motion(trajectory: Trajectory) -> _Motion:
-    system = trajectory.system
-    y, names = trajectory.y.T, system.state_names
     zero = np.zeros_like(trajectory.t)
     there = base_at(np, trajectory.motion, trajectory.t, np.asarray(trajectory.motion.parameters))
     base = Base(*(value + zero for value in there))
-    q = Discrete(trajectory.mode, trajectory.s, zero + 1.0)
+    return _moving(trajectory.system, trajectory.y, trajectory.mode, trajectory.s, base)
+
+
+def _moving(system: System, states: Array, mode: NDArray[np.int64], s: Array, base: Base) -> _Motion:
+    y, names = states.T, system.state_names
+    zero = np.zeros(s.shape)
+    q = Discrete(mode, s, zero + 1.0)
     if "u" in names:
         # The direction of slip, which a sample does not hold, is that of the slip velocity.
         q = q._replace(slip=np.where(y[names.index("u")] < 0.0, -1.0, 1.0))
     rate = [value + zero for value in system.flow(np, y, q, base, bind_hooks(system.parameters, _with_numpy))]
     theta, omega = names.index("theta"), names.index("omega")
-    return _Motion(system.anchor(y, rate, trajectory.s), y[theta], y[omega], rate[omega], base)
+    return _Motion(system.anchor(y, rate, s), y[theta], y[omega], rate[omega], base)
 
 
 def _with_numpy(hook: Any) -> Any:
@@ -90,12 +94,40 @@ def accelerometer(trajectory: Trajectory, position: tuple[float, float], directi
     Raises:
         ValueError: the position is not two finite numbers, or the direction has no length.
     """
+    there = _motion(trajectory)
+    return _reading(there, trajectory.system.g, position, direction)
+
+
+def accelerometer_at(
+    system: System,
+    y: Array,
+    mode: NDArray[np.int64],
+    s: Array,
+    base: Base,
+    position: tuple[float, float],
+    direction: tuple[float, float],
+) -> Array:
+    """Reading [m/s^2] of an accelerometer fixed to the block in any states, whatever runs they come from.
+
+    Args:
+        system: the block.
+        y: states, shape (sample, state).
+        mode, s: mode and carrying side, shape (sample,).
+        base: accelerations [m/s^2] and pitch [rad, rad/s^2] of the base there, arrays of shape (sample,).
+        position, direction: as for `accelerometer`.
+
+    Raises:
+        ValueError: as for `accelerometer`.
+    """
+    return _reading(_moving(system, y, mode, s, base), system.g, position, direction)
+
+
+def _reading(m: _Motion, g: float, position: tuple[float, float], direction: tuple[float, float]) -> Array:
     length = math.hypot(*direction) if len(direction) == 2 else math.nan
     if not (math.isfinite(length) and length > 0.0):
         raise ValueError(f"direction={direction!r}: want two finite numbers, not both zero")
-    m = _motion(trajectory)
     r_x, r_z = _from_anchor(m, position)
-    A_x, A_z = in_floor_axes(np, m.base, trajectory.system.g)
+    A_x, A_z = in_floor_axes(np, m.base, g)
     x, z, pitching = m.anchor.x + r_x, m.anchor.z + r_z, m.base.pitch_acceleration
     # Clockwise rotation: omega' gives (omega' r_z, -omega' r_x), the turning itself -omega^2 r; a pitch the same about
     # the middle of where the block stands.
