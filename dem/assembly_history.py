@@ -17,6 +17,7 @@ import numpy as np
 
 from dem.assembly import Assembly
 from dem.history import Energies
+from dem.labelled import base_variables, outline_variables
 from dem.shapes import FloatArray
 
 if TYPE_CHECKING:
@@ -59,6 +60,7 @@ class AssemblyHistory:
     """Motion of the centroids relative to the table, and what became of the bodies.
 
     time [s], shape (time,); x, z [m], theta [rad], vx, vz [m/s], omega [rad/s]: shape (time, body)
+    base_ax, base_az [m/s^2], base_pitch [rad]: motion of the table, shape (time,)
     bodies: numbers of the bodies kept, names: theirs
     energies: of all bodies, see `dem.Energies`
     ending, reason: how it ended, and a sentence that names the body, the time and the value
@@ -74,6 +76,9 @@ class AssemblyHistory:
     vx: FloatArray
     vz: FloatArray
     omega: FloatArray
+    base_ax: FloatArray
+    base_az: FloatArray
+    base_pitch: FloatArray
     bodies: tuple[int, ...]
     names: tuple[str, ...]
     energies: Energies
@@ -102,14 +107,19 @@ class AssemblyHistory:
         )
 
     def to_xarray(self) -> xr.Dataset:
-        """Dataset with dims `time`, `body` and `interface`, SI `units` and `long_name`; ending and settings as
-        attributes."""
+        """Dataset with dims `time`, `body`, `interface` and `corner`, SI `units` and `long_name`; ending and settings
+        as attributes."""
         import xarray as xr  # slow to import, and not needed for a run
 
         variables: dict[str, Any] = {
             name: (("time", "body"), getattr(self, name), {"units": unit, "long_name": text})
             for name, (unit, text) in _MOTION.items()
         }
+        variables |= base_variables(self.base_ax, self.base_az, self.base_pitch)
+        variables |= outline_variables(
+            [self.assembly.bodies[number].shape.corners for number in self.bodies],
+            [wall.vertices for wall in self.assembly.walls],
+        )
         for entry in fields(Energies):
             text = {"long_name": f"energy: {entry.name.replace('_', ' ')}", "units": "J"}
             variables[f"energy_{entry.name}"] = ("time", getattr(self.energies, entry.name), text)
@@ -137,6 +147,7 @@ class AssemblyHistory:
             "reason": self.reason,
             "end_time": self.end_time,
             "overturned": self.overturned,
+            "floor": int(self.assembly.floor),
         }
         return xr.Dataset(variables, coordinates, attrs=attributes | dict(self.settings))
 

@@ -22,7 +22,7 @@ from dem.assembly_history import AssemblyHistory, Ending, Fall, Separation
 from dem.history import Energies
 from dem.materials import ContactTable
 from dem.motion_of_bodies import BLOWN_UP, FALLEN, LEFT, Field, Limits
-from dem.table_motion import Motion, frame_at, pitches
+from dem.table_motion import Motion, accelerations, frame_at, pitch_angle, pitches
 
 if TYPE_CHECKING:
     from dem.assembly_settings import ContactJudgement, Criteria
@@ -202,12 +202,11 @@ class Run:
                     self.watched = self._interfaces()
                 tell(float(self.counts[assembly_step.STEP]) * self.dt)
         except KeyboardInterrupt:
-            return self._history(Ending.INTERRUPTED)
+            return self._history(Ending.INTERRUPTED, motion)
         finally:
             close()
-        return self._history(
-            {FALLEN: Ending.FELL, LEFT: Ending.LEFT, BLOWN_UP: Ending.UNSTABLE}.get(ending, Ending.REACHED_END)
-        )
+        endings = {FALLEN: Ending.FELL, LEFT: Ending.LEFT, BLOWN_UP: Ending.UNSTABLE}
+        return self._history(endings.get(ending, Ending.REACHED_END), motion)
 
     def _interfaces(self) -> Watched:
         """The interfaces that are closed now."""
@@ -226,18 +225,22 @@ class Run:
         about = (float(self.settings["pitch_about_x"]), float(self.settings["pitch_about_z"]))
         return Field(frame.x, frame.z, frame.rate, frame.turn, *about, pitches(motion))
 
-    def _history(self, ending: Ending) -> AssemblyHistory:
+    def _history(self, ending: Ending, motion: Motion | None) -> AssemblyHistory:
         count = int(self.counts[assembly_step.SAVED])
-        time, motion = self.saved.time[:count].copy(), self.saved.motion[:count]
+        time, saved = self.saved.time[:count].copy(), self.saved.motion[:count]
         energy = self.saved.energy[:count]
         names = ("x", "z", "theta", "vx", "vz", "omega")
-        columns: dict[str, Any] = {name: np.ascontiguousarray(motion[:, :, i]) for i, name in enumerate(names)}
+        columns: dict[str, Any] = {name: np.ascontiguousarray(saved[:, :, i]) for i, name in enumerate(names)}
+        base_ax, base_az = accelerations(motion, time)
         end_time = float(time[-1]) if count else 0.0
         falls = self._falls()
         separations = self._separations()
         return AssemblyHistory(
             time=time,
             **columns,
+            base_ax=base_ax,
+            base_az=base_az,
+            base_pitch=pitch_angle(motion, time),
             bodies=self.kept,
             names=tuple(self.assembly.names[number] for number in self.kept),
             energies=Energies(*(np.ascontiguousarray(column) for column in energy.T)),

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dem.labelled import base_variables, outline_variables
 from dem.scenes import Scene
 from dem.shapes import FloatArray
 
@@ -81,6 +82,7 @@ class History:
     """Motion of the centroid relative to the base and what became of the block.
 
     time [s], x, z [m], theta [rad], omega [rad/s]: shape (time,); the last state is always among them
+    base_ax, base_az: acceleration of the base at the samples [m/s^2], shape (time,)
     mode_clock: time spent in each `Mode` until the sample [s], shape (time, mode)
     outcome, side: how it ended; side +1 (fell to +x) or -1, 0 where it did not fall
     end_time: last time reached [s]
@@ -96,6 +98,8 @@ class History:
     z: FloatArray
     theta: FloatArray
     omega: FloatArray
+    base_ax: FloatArray
+    base_az: FloatArray
     energies: Energies
     mode_clock: FloatArray
     outcome: Outcome
@@ -115,13 +119,15 @@ class History:
         )
 
     def to_xarray(self) -> xr.Dataset:
-        """Dataset with dims `time` and `mode`, SI `units` and `long_name`; outcome and settings as attributes."""
+        """Dataset with dims `time`, `mode` and `corner`, SI `units` and `long_name`; outcome and settings as
+        attributes."""
         import xarray as xr  # slow to import, and not needed for a run
 
         variables: dict[str, Any] = {
             name: ("time", getattr(self, name), {"units": unit, "long_name": text})
             for name, (unit, text) in _MOTION.items()
         }
+        variables |= base_variables(self.base_ax, self.base_az) | outline_variables([self.scene.shape.corners])
         for field in fields(Energies):
             text = {"long_name": f"energy: {field.name.replace('_', ' ')}", "units": "J"}
             variables[f"energy_{field.name}"] = ("time", getattr(self.energies, field.name), text)
@@ -143,6 +149,7 @@ class History:
             "overturning_time": self.overturning_time,
             "mass": self.scene.mass,
             "inertia": self.scene.inertia,
+            "floor": 1,
         }
         source = {"reference": "distinct element method of Winkler, Meguro & Yamazaki (1995)"}
         return xr.Dataset(variables, coordinates, attrs={**source, **outcome, **self.settings})

@@ -150,7 +150,7 @@ class _Run:
                 progress(float(self.counts[step.STEP]) * self.dt)
             if ending != step.RUNNING:
                 break
-        return self._history(ending)
+        return self._history(ending, motion)
 
     def _base(self, motion: Motion | None) -> Iterator[tuple[FloatArray, FloatArray]]:
         """Base accelerations chunk by chunk."""
@@ -158,19 +158,22 @@ class _Run:
             times = np.arange(first, min(first + CHUNK, self.last_step + 1), dtype=np.float64) * self.dt
             yield accelerations(motion, times)
 
-    def _history(self, ending: int) -> History:
+    def _history(self, ending: int, motion: Motion | None) -> History:
         step, state = self.step, self.state
         rows = self.rows[: self.counts[step.SAVED]].copy()
         theta = float(state[step.THETA])
         outcome = self._outcome(ending, theta)
         fell = outcome is Outcome.OVERTURNED
         time, x, z, theta_at, omega = (column.copy() for column in rows.T[:5])
+        base_ax, base_az = accelerations(motion, time)
         return History(
             time=time,
             x=x,
             z=z,
             theta=theta_at,
             omega=omega,
+            base_ax=base_ax,
+            base_az=base_az,
             energies=Energies(*(column.copy() for column in rows.T[5:12])),
             mode_clock=rows[:, 12:],
             outcome=outcome,

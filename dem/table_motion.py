@@ -35,6 +35,14 @@ def pitches(motion: Motion | None) -> bool:
     return callable(getattr(motion, "pitch", None))
 
 
+def pitch_angle(motion: Motion | None, times: FloatArray) -> FloatArray:
+    """Angle of the table at these times [rad]; 0 where it does not pitch."""
+    if not pitches(motion) or not times.size:
+        return np.zeros_like(times)
+    angle, _ = _pair(motion.pitch(times), times, ("pitch", "pitch acceleration"), ("rad", "rad/s^2"))  # type: ignore[union-attr]
+    return angle
+
+
 def frame_at(motion: Motion | None, times: FloatArray, dt: float, g: float) -> Frame:
     """The frame at these times [s]; dt: step [s], g: gravity [m/s^2].
 
@@ -57,7 +65,7 @@ def frame_at(motion: Motion | None, times: FloatArray, dt: float, g: float) -> F
 
 def accelerations(motion: Motion | None, times: FloatArray) -> tuple[FloatArray, FloatArray]:
     """(a_x, a_z) [m/s^2] at these times [s], checked."""
-    if motion is None:
+    if motion is None or not times.size:
         return np.zeros_like(times), np.zeros_like(times)
     return _pair(motion(times), times, ("a_x", "a_z"), ("m/s^2", "m/s^2"))
 

@@ -186,7 +186,7 @@ def test_chosen_bodies_and_samples_are_kept_and_labelled():
     run = dem.simulate_assembly(column(3), growing(3.0), keep=[2, "lower block"], **arguments)
     assert run.names == ("upper block", "lower block")
     ds = run.to_xarray()
-    assert set(ds.dims) == {"time", "body", "interface"}
+    assert set(ds.dims) == {"time", "body", "interface", "corner"}
     assert list(ds.body.values) == ["upper block", "lower block"]
     assert ds.theta.dims == ("time", "body") and ds.theta.units == "rad" and ds.energy_base_work.units == "J"
     assert all("long_name" in ds[name].attrs and "units" in ds[name].attrs for name in ds.data_vars)

@@ -135,7 +135,7 @@ def test_runs_side_by_side_in_threads_give_the_same_bits(block):
 def test_dataset_has_units_and_says_how_it_ended(block):
     history = topple(block)
     ds = history.to_xarray()
-    assert set(ds.dims) == {"time", "mode"}
+    assert set(ds.dims) == {"time", "mode", "corner"}
     assert ds.theta.units == "rad" and ds.energy_kinetic.units == "J" and ds.mode_seconds.units == "s"
     assert all("long_name" in ds[name].attrs for name in ds.variables)
     assert ds.attrs["outcome"] == "OVERTURNED" and ds.attrs["side"] == -1 and ds.attrs["kn"] == 1.98e7

@@ -1,0 +1,171 @@
+"""What is shown of a run: outlines, where they are at each sample, the base's motion and when what happened.
+
+Everything comes from the dataset of a run (`to_xarray()` of a history, or a saved file), in the frame of the table: x
+to the right, z up, rotation clockwise.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+import dem
+
+FloatArray = npt.NDArray[np.float64]
+NEEDED = ("x", "z", "theta", "outline_x", "outline_z", "outline_of")
+MARGIN = 0.06
+"""Space around what is shown, as a share of its size."""
+
+WIDEST = 3.0
+"""What moves away is followed until the view is so many times as large as the scene at the start."""
+
+Run = dem.History | dem.AssemblyHistory | xr.Dataset
+
+
+@dataclass(frozen=True)
+class Film:
+    """A run as it is shown.
+
+    time [s], shape (time,); x, z [m], theta [rad]: shape (time, body); base_ax, base_az [m/s^2], shape (time,), or None
+    outlines: corners of each body from its centroid where theta = 0 [m]; walls: corners of each in the frame of the
+        table [m]; floor: whether there is one at z = 0
+    names: of the bodies; events: (time [s], sentence), in order of time; ending: how the run ended
+    """
+
+    time: FloatArray
+    x: FloatArray
+    z: FloatArray
+    theta: FloatArray
+    outlines: tuple[FloatArray, ...]
+    walls: tuple[FloatArray, ...]
+    floor: bool
+    names: tuple[str, ...]
+    base_ax: FloatArray | None
+    base_az: FloatArray | None
+    title: str
+    ending: str
+    events: tuple[tuple[float, str], ...]
+
+    def corners(self, sample: int, body: int) -> FloatArray:
+        """Corners of a body at a sample [m], shape (corner, 2)."""
+        theta = self.theta[sample, body]
+        cos, sin = math.cos(theta), math.sin(theta)
+        x, z = self.outlines[body].T
+        return np.column_stack(
+            [self.x[sample, body] + x * cos + z * sin, self.z[sample, body] + z * cos - x * sin]
+        )  # fmt: skip
+
+    def sample_at(self, time: float) -> int:
+        """The sample nearest to a time [s].
+
+        Raises:
+            ValueError: the run has no such time.
+        """
+        first, last = float(self.time[0]), float(self.time[-1])
+        slack = 0.5 * (last - first) / max(1, self.time.size - 1)
+        if not first - slack <= time <= last + slack:
+            raise ValueError(f"time={time} s: want {first:.6g} to {last:.6g} s, which the run covers")
+        return int(np.argmin(np.abs(self.time - time)))
+
+    def view(self, samples: Sequence[int] | None = None) -> tuple[float, float, float, float]:
+        """x from, x to, z from, z to [m] that hold everything at these samples (default: all), within `WIDEST`."""
+        start = _box([self.corners(0, b) for b in range(len(self.names))] + list(self.walls), self.floor)
+        reach = np.array([np.hypot(*outline.T).max() for outline in self.outlines])
+        chosen = slice(None) if samples is None else list(samples)
+        x, z = self.x[chosen], self.z[chosen]
+        # Each body turns within its circle.
+        low = [float((x - reach).min()), float((z - reach).min())]
+        high = [float((x + reach).max()), float((z + reach).max())]
+        size = max(start[1] - start[0], start[3] - start[2])
+        room = WIDEST * size
+        middle_x, top = 0.5 * (start[0] + start[1]), start[3]
+        box = [
+            max(min(start[0], low[0]), middle_x - 0.5 * room),
+            min(max(start[1], high[0]), middle_x + 0.5 * room),
+            max(min(start[2], low[1]), start[2] - (0.0 if self.floor else 0.5 * room)),
+            min(max(start[3], high[1]), top + 0.5 * room),
+        ]
+        margin = MARGIN * max(box[1] - box[0], box[3] - box[2])
+        return box[0] - margin, box[1] + margin, box[2] - margin, box[3] + margin
+
+
+def film_of(run: Run | str | Path, *, title: str | None = None) -> Film:
+    """What is shown of a history, its dataset, or a file that holds one.
+
+    Raises:
+        ValueError: the dataset is not one of a run, or has no samples.
+    """
+    if isinstance(run, (str, Path)):
+        with xr.open_dataset(run) as opened:
+            ds = opened.load()
+    else:
+        ds = run if isinstance(run, xr.Dataset) else run.to_xarray()
+    missing = [name for name in NEEDED if name not in ds]
+    if missing or "time" not in ds.coords:
+        raise ValueError(
+            f"dataset without {', '.join(missing or ['time'])}: want that of a run of distinct elements, as "
+            "`to_xarray()` makes it"
+        )
+    if not ds.sizes["time"]:
+        raise ValueError("dataset without samples: want at least one")
+    motion = {name: np.atleast_2d(ds[name].values.T).T.astype(np.float64) for name in ("x", "z", "theta")}
+    for name, values in motion.items():
+        if not np.isfinite(values).all():
+            sample, body = np.argwhere(~np.isfinite(values))[0]
+            raise ValueError(f"{name} of body {body} is {values[sample, body]} at sample {sample}: want finite numbers")
+    count = motion["x"].shape[1]
+    corners = np.column_stack([ds.outline_x.values, ds.outline_z.values]).astype(np.float64)
+    things = [corners[ds.outline_of.values == number] for number in range(int(ds.outline_of.max()) + 1)]
+    names = tuple(str(name) for name in ds.body.values) if "body" in ds.coords else ("block",)
+    return Film(
+        time=ds.time.values.astype(np.float64),
+        **motion,
+        outlines=tuple(things[:count]),
+        walls=tuple(things[count:]),
+        floor=bool(ds.attrs.get("floor", 1)),
+        names=names,
+        base_ax=ds.base_ax.values if "base_ax" in ds else None,
+        base_az=ds.base_az.values if "base_az" in ds else None,
+        title=str(ds.attrs.get("title", "single block")) if title is None else title,
+        ending=_ending(ds.attrs),
+        events=_events(ds, names),
+    )
+
+
+def _box(outlines: Sequence[FloatArray], floor: bool) -> tuple[float, float, float, float]:
+    points = np.concatenate(list(outlines))
+    low = 0.0 if floor else float(points[:, 1].min())  # a wall may reach below the floor
+    return float(points[:, 0].min()), float(points[:, 0].max()), low, float(points[:, 1].max())
+
+
+def _ending(attributes: Mapping[Any, Any]) -> str:
+    if "reason" in attributes:
+        return str(attributes["reason"])
+    outcome = str(attributes.get("outcome", ""))
+    known = dem.Outcome.__members__.get(outcome)
+    return known.value if known else outcome
+
+
+def _events(ds: xr.Dataset, names: Sequence[str]) -> tuple[tuple[float, str], ...]:
+    """Falls and openings, in order."""
+    found: list[tuple[float, str]] = []
+    if "overturning_time" in ds:
+        falls = zip(names, np.atleast_1d(ds.overturning_time.values), strict=True)
+        found += [(float(time), f"{name} overturns") for name, time in falls]
+    elif "overturning_time" in ds.attrs:
+        found.append((float(ds.attrs["overturning_time"]), f"{names[0]} overturns"))
+    if "separation_time" in ds:
+        pairs = zip(ds.interface.values, ds.separation_time.values, strict=True)
+        found += [(float(time), f"{_opening(str(pair))} opens") for pair, time in pairs]
+    return tuple(sorted((event for event in found if math.isfinite(event[0])), key=lambda event: event[0]))
+
+
+def _opening(pair: str) -> str:
+    return f"the joint of {pair}"
