@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -55,12 +55,30 @@ class Film:
 
     def corners(self, sample: int, body: int) -> FloatArray:
         """Corners of a body at a sample [m], shape (corner, 2)."""
-        theta = self.theta[sample, body]
-        cos, sin = math.cos(theta), math.sin(theta)
-        x, z = self.outlines[body].T
-        return np.column_stack(
-            [self.x[sample, body] + x * cos + z * sin, self.z[sample, body] + z * cos - x * sin]
+        return placed(
+            self.outlines[body], self.x[sample, body], self.z[sample, body], self.theta[sample, body]
         )  # fmt: skip
+
+    def outlines_at(self, time: float) -> list[FloatArray]:
+        """Corners of each body at a time [s], straight between samples [m], each of shape (corner, 2)."""
+        after = int(np.clip(np.searchsorted(self.time, time), 1, max(1, self.time.size - 1)))
+        before = after - 1
+        after = min(after, self.time.size - 1)
+        way = self.time[after] - self.time[before]
+        share = float(np.clip((time - self.time[before]) / way, 0.0, 1.0)) if way > 0.0 else 0.0
+        pose = [(1.0 - share) * row[before] + share * row[after] for row in (self.x, self.z, self.theta)]
+        return [placed(outline, *place) for outline, *place in zip(self.outlines, *pose, strict=True)]
+
+    def titled(self, title: str | None) -> Film:
+        """The same with another heading, where one is given."""
+        return self if title is None else replace(self, title=title)
+
+    def between(self, start: float, end: float) -> Film:
+        """The samples from start to end [s], and the events among them."""
+        kept = (self.time >= start) & (self.time <= end)
+        cut = {name: getattr(self, name)[kept] for name in ("time", "x", "z", "theta")}
+        base = {name: None if (a := getattr(self, name)) is None else a[kept] for name in ("base_ax", "base_az")}
+        return replace(self, **cut, **base, events=tuple(e for e in self.events if start <= e[0] <= end))
 
     def sample_at(self, time: float) -> int:
         """The sample nearest to a time [s].
@@ -94,6 +112,13 @@ class Film:
         ]
         margin = MARGIN * max(box[1] - box[0], box[3] - box[2])
         return box[0] - margin, box[1] + margin, box[2] - margin, box[3] + margin
+
+
+def placed(outline: FloatArray, x: float, z: float, theta: float) -> FloatArray:
+    """Corners [m] of a body whose centroid is at x, z [m] and which has turned clockwise by theta [rad]."""
+    cos, sin = math.cos(theta), math.sin(theta)
+    along, up = outline.T
+    return np.column_stack([x + along * cos + up * sin, z + up * cos - along * sin])
 
 
 def film_of(run: Run | str | Path, *, title: str | None = None) -> Film:

@@ -1,11 +1,17 @@
-"""Runs that are shown: a column of three that falls, a column by a wall, a single block."""
+"""Runs that are shown: a column of three that falls, a column by a wall, a single block; and a browser."""
 
 import math
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import dem
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from browser import CHROMIUM, Browser
 
 G = 9.80665
 B, H, D, DENSITY = 0.15, 0.50, 0.25, 597.0
@@ -42,3 +48,12 @@ def block():
     return dem.simulate(
         dem.single_block(B, H, D, DENSITY), growing(1.0), t_end=10.0, mu=0.8, damping_ratio=0.1, dt=2e-5
     )
+
+
+@pytest.fixture(scope="session")
+def browser(tmp_path_factory):
+    if CHROMIUM is None:
+        pytest.skip("no chromium here: the page is not run")
+    opened = Browser(tmp_path_factory.mktemp("profile"))
+    yield opened
+    opened.close()
