@@ -7,6 +7,7 @@ file under the final name.
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import subprocess
 import sys
@@ -32,6 +33,16 @@ def add_common_arguments(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, default=DEFAULT_OUT, metavar="DIR", help="folder for the files (default: %(default)s)"
     )
     parser.add_argument("--quick", action="store_true", help="a small version in seconds: fewer points, coarser steps")
+
+
+def positive(option: str, value: float, zero: bool = False) -> None:
+    """Check a number of the command line.
+
+    Raises:
+        BadInputError: it is not positive (or zero, where that is allowed).
+    """
+    if not (math.isfinite(value) and (value > 0.0 or (zero and value == 0.0))):
+        raise BadInputError(f"{option} {value:g}: want a number {'of 0 or more' if zero else 'above 0'}")
 
 
 def writable_folder(folder: Path) -> Path:
@@ -112,20 +123,26 @@ def save_dataset(ds: xr.Dataset, path: Path) -> None:
 def save_figure(figure: Any, folder: Path, name: str) -> list[Path]:
     """Write a matplotlib figure as PNG and PDF; the paths."""
     paths = [folder / f"{name}.png", folder / f"{name}.pdf"]
+    text = " ".join(figure.get_supxlabel().split())
     for path in paths:
-        # No date in the file: the same dataset gives the same bytes.
-        dateless = {"CreationDate": None} if path.suffix == ".pdf" else {}
-        write_whole(path, lambda target, meta=dateless: figure.savefig(target, dpi=150, metadata=meta))  # type: ignore[misc]
+        # The caption goes with the picture. No date in the file: the same dataset gives the same bytes.
+        said = {"CreationDate": None, "Subject": text} if path.suffix == ".pdf" else {"Description": text}
+        write_whole(path, lambda target, meta=said: figure.savefig(target, dpi=150, metadata=meta))  # type: ignore[misc]
     return paths
 
 
-def run(main: Callable[[list[str]], None]) -> None:
-    """Run a study's `main` on the command line's arguments: bad input is one sentence and exit status 2."""
+def run(main: Callable[[list[str]], object], interrupted: str = "nothing was written") -> None:
+    """Run `main` on the command line's arguments: bad input is one sentence and exit status 2.
+
+    Args:
+        main: what is run.
+        interrupted: what is said of the files after Ctrl-C.
+    """
     try:
         main(sys.argv[1:])
     except BadInputError as error:
         print(f"error: {error}", file=sys.stderr)
         sys.exit(2)
     except KeyboardInterrupt:
-        print("interrupted: nothing was written", file=sys.stderr)
+        print(f"interrupted: {interrupted}", file=sys.stderr)
         sys.exit(130)

@@ -12,15 +12,8 @@ import math
 import numpy as np
 import xarray as xr
 
-HOLDS, DOES_NOT, UNDECIDED = 1, 0, -1
-
-LINEAR_R2 = 0.9  # share of variance that a straight line must explain to call a curve almost linear
-ALIKE = 0.5  # Method 2 is to be at most half as far from DEM, in the logarithm, as Method 1 is
-MOSTLY = 0.5  # "mostly": more than half of the time
-
-
-def _decide(number: float, holds: bool) -> int:
-    return UNDECIDED if math.isnan(number) else (HOLDS if holds else DOES_NOT)
+from studies.claims_bounds import CLAIMS
+from studies.claims_table import Finding, listed, table
 
 
 def _linearity(ds: xr.Dataset) -> dict[str, float]:
@@ -67,59 +60,24 @@ def _periods_from_onset(ds: xr.Dataset) -> dict[str, float]:
     }
 
 
-def _listed(numbers: dict[str, float]) -> str:
-    return "; ".join(f"{name} {number:.2f}" for name, number in numbers.items())
-
-
 def check(ds: xr.Dataset) -> xr.Dataset:
     """The statements of the paper on Fig. 16, each with the number found, the bound and whether it holds."""
     methods = set(ds.method.values)
-    rows: list[tuple[str, float, str, int, str]] = []
+    found: list[Finding] = []
 
-    def add(statement: str, number: float, bound: str, holds: bool, detail: str = "") -> None:
-        rows.append((statement, number, bound, _decide(number, holds), detail))
+    def add(word: str, number: float, detail: str = "") -> None:
+        found.append(Finding(CLAIMS[f"fig16.{word}"], number, detail))
 
     if "method1" in methods:
         by_block = _linearity(ds)
-        r2 = float(np.min(list(by_block.values())))  # unknown if one of them is
-        add(
-            "Method 1 grows almost linearly with frequency", r2,
-            f"smallest r^2 over the blocks >= {LINEAR_R2}", r2 >= LINEAR_R2, _listed(by_block),
-        )  # fmt: skip
+        add("linear", float(np.min(list(by_block.values()))), listed(by_block))  # unknown if one of them is
     if {"method1", "method2", "dem"} <= methods:
-        ratio = _log_distance(ds, "method2", "dem") / _log_distance(ds, "method1", "dem")
-        add(
-            "Method 2 and DEM are alike and far from Method 1 beyond 3 Hz", ratio,
-            f"distance of Method 2 from DEM over that of Method 1 from DEM (log) <= {ALIKE}", ratio <= ALIKE,
-        )  # fmt: skip
+        add("alike", _log_distance(ds, "method2", "dem") / _log_distance(ds, "method1", "dem"))
     if {"method2", "dem"} <= methods:
-        spread = _spread_beyond_3_hz(ds)
-        add(
-            "Method 2 and DEM differ most beyond 3 Hz", spread,
-            "their distance beyond 3 Hz over that up to 3 Hz (log) > 1", spread > 1.0,
-        )  # fmt: skip
-    for method, label in (("method2", "Method 2"), ("dem", "DEM")):
+        add("beyond", _spread_beyond_3_hz(ds))
+    for method in ("method2", "dem"):
         if method in methods:
-            share = _sliding_rotation(ds, method)
-            add(
-                f"{label}: at large amplitude (from 3 Hz on) the motion is mostly sliding rotation", share,
-                f"share of the second half of the way to overturning > {MOSTLY}", share > MOSTLY,
-            )  # fmt: skip
+            add(f"sliding_{method}", _sliding_rotation(ds, method))
     by_run = _periods_from_onset(ds)
-    periods = max((n for n in by_run.values() if not math.isnan(n)), default=math.nan)
-    add(
-        "At the lowest frequency blocks overturn as rocking would begin", periods,
-        "most periods of any run from West's threshold to overturning <= 1", periods <= 1.0, _listed(by_run),
-    )  # fmt: skip
-    statements, numbers, bounds, holds, details = zip(*rows, strict=True)
-    reference = {"reference": "Winkler, Meguro & Yamazaki (1995), Criteria of overturning for single blocks"}
-    flags = {"flag_values": [HOLDS, DOES_NOT, UNDECIDED], "flag_meanings": "holds does_not_hold not_decided"}
-    return xr.Dataset(
-        {
-            "statement_number": ("statement", list(numbers), {"units": "1", "long_name": "number found", **reference}),
-            "statement_bound": ("statement", list(bounds), {"long_name": "what decides"}),
-            "statement_detail": ("statement", list(details), {"long_name": "the number by block or run"}),
-            "statement_holds": ("statement", list(holds), {"long_name": "does the statement hold", **flags}),
-        },
-        coords={"statement": ("statement", list(statements), {"long_name": "statement of the paper"})},
-    )
+    add("at_once", max((n for n in by_run.values() if not math.isnan(n)), default=math.nan), listed(by_run))
+    return table(found)

@@ -1,0 +1,123 @@
+"""Runs computed side by side, each kept in a file of its own, so that an interruption loses nothing that was finished.
+
+A part is written under a temporary name and renamed: after kill -9 at any moment it is whole or not there.  The name is
+a hash of the job and of everything else that decides its result, so a part is never taken for another.
+
+Source   none, own convention
+Status   kill -9, damaged parts and changed settings are tested
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import zipfile
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from tqdm import tqdm
+
+Job = TypeVar("Job")
+Result = dict[str, Any]
+"""What a run gives: numbers, texts and arrays by name."""
+
+PHYSICS = ("rocking", "dem", "excitation")
+"""Packages whose sources decide what a run gives."""
+
+CRITERIA = ("columns", "free_vibration", "overturning", "rocking_onset", "specimens")
+"""Modules of this package that do too."""
+
+
+@cache
+def sources_hash() -> str:
+    """A hash of the sources that decide what a run gives."""
+    here = Path(__file__).resolve().parent
+    files = [path for package in PHYSICS for path in sorted((here.parent / package).rglob("*.py"))]
+    digest = hashlib.sha256()
+    for path in [*files, *(here / f"{name}.py" for name in CRITERIA)]:
+        digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def hashed(*items: Any) -> str:
+    """A short hash of what these say of themselves (`repr`)."""
+    return hashlib.sha256("\n".join(map(repr, items)).encode()).hexdigest()[:20]
+
+
+def _plain(value: np.ndarray) -> Any:
+    return value.item() if value.ndim == 0 else value
+
+
+class Parts:
+    """A folder of finished runs; without a folder nothing is kept.
+
+    Args:
+        folder: where parts are kept, made when the first is written.
+        inputs: hash of what decides the results besides the job itself.
+        workers: runs side by side; as many as there are cores if not given.
+    """
+
+    def __init__(self, folder: Path | None = None, inputs: str = "", workers: int | None = None) -> None:
+        self.folder, self.inputs = folder, inputs
+        self.workers = workers or os.cpu_count() or 1
+
+    def _path(self, job: Any) -> Path | None:
+        return None if self.folder is None else self.folder / f"{hashed(self.inputs, job)}.npz"
+
+    def _kept(self, path: Path | None) -> Result | None:
+        if path is None or not path.exists():
+            return None
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                return {name: _plain(file[name]) for name in file.files}
+        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+            return None  # damaged: it is computed again
+
+    def _keep(self, path: Path | None, result: Mapping[str, Any]) -> None:
+        if path is None:
+            return
+        path.parent.mkdir(parents=True, exist_ok=True)
+        temporary = path.with_name(f".{path.stem}.{os.getpid()}.npz")
+        try:
+            with temporary.open("wb") as file:
+                np.savez(file, **result)
+            os.replace(temporary, path)
+        finally:
+            temporary.unlink(missing_ok=True)
+
+    def results(self, jobs: Sequence[Job], work: Callable[[Job], Result], label: str) -> list[Result]:
+        """What `work` gives for each job, in their order; what was kept is not computed again.
+
+        Args:
+            jobs: values whose `repr` says all that decides the result.
+            work: called in threads; gives numbers, texts and arrays by name.
+            label: heads the bar of progress.
+        """
+        found: list[Result | None] = [self._kept(self._path(job)) for job in jobs]
+        pool = ThreadPoolExecutor(self.workers)
+        try:
+            with tqdm(
+                total=len(jobs), initial=sum(r is not None for r in found), unit="run", desc=label, disable=None
+            ) as bar:
+                futures = {pool.submit(work, job): i for i, job in enumerate(jobs) if found[i] is None}
+                for future in as_completed(futures):
+                    i = futures[future]
+                    result = future.result()
+                    self._keep(self._path(jobs[i]), result)
+                    # As it would be read again, so that a run that went on gives the same.
+                    found[i] = {name: _plain(np.asarray(value)) for name, value in result.items()}
+                    bar.update()
+        finally:
+            # On Ctrl-C, runs that have not begun are dropped.
+            pool.shutdown(wait=True, cancel_futures=True)
+        return [result for result in found if result is not None]
+
+    def clear(self) -> None:
+        """Remove the folder, once what it held is in a dataset."""
+        if self.folder is not None:
+            shutil.rmtree(self.folder, ignore_errors=True)
