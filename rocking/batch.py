@@ -3,7 +3,7 @@
     from rocking import Block, Method1, solve_batch
 
 A run of a batch is the run that `solve` would give, bit for bit with the solvers numba and taylor and to rounding with
-exact; only the summary is kept.
+exact and diffrax; only the summary is kept.
 """
 
 from __future__ import annotations
@@ -42,6 +42,7 @@ class BatchResult:
     onset_time: NDArray[np.float64]  # when the block first left rest [s]; NaN if it never did
     impacts: NDArray[np.int64]  # number of impacts
     t_end: NDArray[np.float64]  # when the run ended [s]
+    device: str = "cpu"  # where the runs were carried, as of `rocking.solvers.devices`
 
     @property
     def overturned(self) -> NDArray[np.bool_]:
@@ -74,6 +75,7 @@ class BatchResult:
                 "t_end": ("run", self.t_end, {"units": "s", "long_name": "end of the run"}),
             },
             coords=coords,
+            attrs={"device": self.device},
         )
 
 
@@ -119,6 +121,7 @@ def solve_batch(
     atol: float = 1e-12,
     max_events: int = 1_000_000,
     effects: Sequence[Effect] = (),
+    device: str | None = None,
 ) -> BatchResult:
     """Carry many blocks, each to its fall or to `t_end`, and keep the summaries.
 
@@ -129,14 +132,16 @@ def solve_batch(
         theta, omega: rotation [rad] and angular velocity [rad/s] at the start, numbers or shape (run,).
         solver: one that has a batch of its own: numba (anything that compiles), taylor and exact (Method 1, the
             latter linear, over ramped sinusoids and records that are straight between samples; some hundred times
-            faster).  Diffrax has its own, on the device that JAX has: `rocking.solvers.diffrax_response.batch`.
+            faster), diffrax (whatever JAX traces; runs go in step, which pays on a GPU alone).
         rtol, atol, max_events: as of `solve`.
         effects: what all blocks lack, of `rocking.effects`; for blocks that differ in the parameters of theirs, give
             systems of `rocking.effects.compose`.
+        device: "cpu", "gpu" or "jax-cpu" for the solvers exact and diffrax (`rocking.solvers.devices`); if not given,
+            a GPU if JAX finds one, else the CPU.
 
     Raises:
         ValueError: an argument is out of range, the numbers of systems and motions do not fit, they are not of one
-            kind, or the solver has no batch or declines one of them.
+            kind, the solver has no batch or declines one of them, or the device is not there.
     """
     many = _count(systems, motions, np.asarray(theta), np.asarray(omega))
     if isinstance(systems, Sequence) and not systems:
@@ -157,13 +162,16 @@ def solve_batch(
             raise ValueError(f"motion={motion!r}: {system.name} does not carry a base that pitches, want Method 1")
     carrier: Any = load(solver)
     if not hasattr(carrier, "solve_batch"):
-        elsewhere = " (its own is rocking.solvers.diffrax_response.batch)" if solver == "diffrax" else ""
-        raise ValueError(f"solver={solver!r}: it has no batch; want 'numba', 'taylor' or 'exact'{elsewhere}")
+        raise ValueError(f"solver={solver!r}: it has no batch; want 'numba', 'taylor', 'exact' or 'diffrax'")
+    if device is not None and not getattr(carrier, "batch_takes_device", False):
+        raise ValueError(f"device={device!r}: solver {solver!r} knows the CPU alone; want 'exact' or 'diffrax' with it")
+    where = {} if device is None else {"device": device}
     _no_refusal(carrier, solver, all_systems, all_motions)
     starts = [s.initial_state(float(a), float(w)) for s, a, w in zip(all_systems, tilts, speeds, strict=True)]
     table = carrier.solve_batch(
-        all_systems, all_motions, starts, (float(t_start), float(t_end)), rtol=rtol, atol=atol, max_events=max_events
-    )
+        all_systems, all_motions, starts, (float(t_start), float(t_end)),
+        rtol=rtol, atol=atol, max_events=max_events, **where,
+    )  # fmt: skip
     return _result(table, t_start)
 
 
@@ -190,7 +198,7 @@ def _no_refusal(carrier: Any, solver: str, systems: Sequence[System], motions: S
                 raise ValueError(f"solver={solver!r} declines: {refusal}")
 
 
-def _result(table: dict[str, NDArray[Any]], t_start: float) -> BatchResult:
+def _result(table: dict[str, Any], t_start: float) -> BatchResult:
     fell, failed = table["fell"], table["failed"]
     resting = np.where(table["last_mode"] == Mode.REST, 0, 1)
     overturning = np.where(np.isnan(table["overturning_time"]), t_start, table["overturning_time"])
@@ -202,4 +210,5 @@ def _result(table: dict[str, NDArray[Any]], t_start: float) -> BatchResult:
         onset_time=table["onset_time"],
         impacts=table["impacts"].astype(np.int64),
         t_end=table["t_end"],
+        device=table.get("device", "cpu"),
     )

@@ -55,7 +55,7 @@ def overturning_map(
         axes: values of each axis by name, in the order of the dimensions of the result.
         t_end: end of every run [s].
         units: units of the axes by name, for the attributes.
-        options: passed on to `solve_batch` (theta, omega, t_start, rtol, atol, solver ...).
+        options: passed on to `solve_batch` (theta, omega, t_start, rtol, atol, solver, device ...).
 
     Returns:
         Dataset over the axes with `overturned`, `side`, `overturning_time` [s], `peak_rotation` [rad], `onset_time`
@@ -83,7 +83,8 @@ def overturning_map(
     reshaped = {str(name): (tuple(grid), v.values.reshape(shape), v.attrs) for name, v in flat.data_vars.items()}
     labels = units or {}
     coords = {name: (name, axis, {"units": labels[name]} if name in labels else {}) for name, axis in grid.items()}
-    return xr.Dataset(reshaped, coords, attrs={"first_system": repr(pairs[0][0]), "first_motion": repr(motions[0])})
+    attributes = {"first_system": repr(pairs[0][0]), "first_motion": repr(motions[0]), "device": result.device}
+    return xr.Dataset(reshaped, coords, attrs=attributes)
 
 
 def block_of(p: float, alpha: float, g: float = G_STANDARD) -> Block:

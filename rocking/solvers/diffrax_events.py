@@ -62,10 +62,17 @@ class DiffraxEvents:
     """Dormand-Prince 8(7) of Diffrax with located events."""
 
     name = "diffrax"
+    batch_takes_device = True
 
     def declines(self, system: System, motion: BaseMotion) -> str | None:
         """None: any plain functions trace; one that does not is JAX's own error."""
         return None
+
+    def solve_batch(self, systems: Any, motions: Any, states: Any, t_span: tuple[float, float], **options: Any) -> Any:
+        """Summaries of many runs; see `rocking.solvers.diffrax_batch.run_batch`."""
+        from rocking.solvers.diffrax_batch import run_batch
+
+        return run_batch(systems, motions, states, t_span, **options)
 
     def solve(
         self,

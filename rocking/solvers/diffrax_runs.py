@@ -40,6 +40,7 @@ class Response(NamedTuple):
     overturning_time: Any  # last outward passage of theta_c [s] before the fall; NaN if the block did not fall
     t_end: Any  # when the run ended [s]
     y: Any  # states at `save_at`, shape (time, state), NaN after the end
+    theta_end: Any  # rotation at the end of the run [rad]
 
 
 class Run(NamedTuple):
@@ -90,13 +91,13 @@ def run_one(model: Model, recorder: SummaryRecorder, run: Run, limits: Limits) -
         lambda now: advance(model, recorder, inputs, *now),
         _begin(model, recorder, limits, run),
     )
-    return _response(run, limits, *end)
+    return _response(model, run, limits, *end)
 
 
 def groups(run: Run, many: Run, count: int) -> Iterator[Run]:
     """The runs in groups; on a CPU of one size, the last filled up, so that one compiled loop serves them all."""
     size = count
-    if jax.default_backend() == "cpu":
+    if next(iter(jnp.zeros(0).devices())).platform == "cpu":
         size = min(CPU_GROUP, 2 ** math.ceil(math.log2(count)))
     for first in range(0, count, size):
         rows = jnp.minimum(jnp.arange(first, first + size), count - 1)
@@ -115,10 +116,10 @@ def run_many(model: Model, recorder: SummaryRecorder, many: Run, run: Run, limit
         lambda now: once_round(run, *now),
         jax.vmap(partial(_begin, model, recorder, limits), (axes,))(run),
     )
-    return jax.vmap(lambda run, *end: _response(run, limits, *end), (axes, 0, 0))(run, *end)
+    return jax.vmap(lambda run, *end: _response(model, run, limits, *end), (axes, 0, 0))(run, *end)
 
 
-def _response(run: Run, limits: Limits, progress: Progress, summary: Summary) -> Response:
+def _response(model: Model, run: Run, limits: Limits, progress: Progress, summary: Summary) -> Response:
     fell, failed = progress.status == FELL, progress.status > FELL
     passage = jnp.where(jnp.isnan(summary.passage), run.span[0], summary.passage)
     return Response(
@@ -134,4 +135,5 @@ def _response(run: Run, limits: Limits, progress: Progress, summary: Summary) ->
         overturning_time=jnp.where(fell, passage, jnp.nan),
         t_end=progress.t,
         y=summary.samples.rows[: limits.save_at.size, :-2],
+        theta_end=progress.y[model.theta],
     )

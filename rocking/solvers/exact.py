@@ -7,7 +7,7 @@ For base motions with a closed form, which say so by one of two attributes:
 - `piecewise_linear`: (t_first [s], dt [s], values [m/s^2] of shape (sample,)) or None; a_x runs straight from sample to
   sample, is 0 before the first and after the last, and a_z = 0;
 
-and for a base at rest.  Many runs at a time: `rocking.solvers.exact_batch`.
+and for a base at rest.  Many runs at a time: `rocking.solvers.exact_batch`, on a GPU too (`rocking.solvers.devices`).
 
 Source   Winkler, Meguro & Yamazaki (1995), eqs (1)-(4); the closed forms are derived in `rocking.solvers.exact_kernel`.
 Status   tolerances have nothing to act on here; the error is that of rounding, which each impact multiplies as it does
@@ -38,16 +38,19 @@ class Exact:
     """Closed form between located impacts, for the linear Method 1."""
 
     name = "exact"
+    batch_takes_device = True
 
     def declines(self, system: System, motion: BaseMotion) -> str | None:
         """A sentence for anything but the linear Method 1 over a base with a closed form; None for that."""
         return refusal(system, motion, ("linear",))
 
     def solve_batch(self, systems: Any, motions: Any, states: Any, t_span: tuple[float, float], **options: Any) -> Any:
-        """Summaries of many runs, by the linear kernel of `rocking.solvers.taylor_batch`."""
+        """Summaries of many runs: on a GPU if there is one, else by the linear kernel of `taylor_batch`."""
+        from rocking.solvers.devices import chosen
         from rocking.solvers.taylor_batch import run_batch
 
-        return run_batch(systems, motions, states, t_span, options["max_events"])
+        device = chosen(options.get("device"), len(systems))
+        return run_batch(systems, motions, states, t_span, options["max_events"], device)
 
     def solve(
         self,

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rocking.block import G_STANDARD
+from rocking.solvers.devices import chosen, label
 from rocking.solvers.taylor_batch import (
     COUNT,
     ENDED,
@@ -28,9 +29,9 @@ from rocking.solvers.taylor_batch import (
     OVERTURNING,
     SIDE,
     carry_portions,
-    record_arguments,
     start_rows,
 )
+from rocking.solvers.taylor_records import joined, scaled
 
 
 class RampedSines(NamedTuple):
@@ -62,6 +63,7 @@ class ExactBatchResult(NamedTuple):
     impacts: NDArray[np.int64]
     t_end: NDArray[np.float64]  # end of the run [s]: the fall, or the end asked for
     finished: NDArray[np.bool_]  # False where a run had too many events or got stuck in them
+    device: NDArray[np.str_]  # where it was carried, as of `rocking.solvers.devices.label`
 
 
 def _checked(name: str, value: ArrayLike, unit: str, low: float, high: float, *, low_in: bool = True) -> Any:
@@ -152,6 +154,7 @@ def exact_batch(
     rest_speed: ArrayLike = 1e-6,
     max_events: int = 1_000_000,
     workers: int | None = None,
+    device: str | None = None,
 ) -> ExactBatchResult:
     """Carry many blocks, each to its fall or to t_end, by the linear Method 1 in closed form between impacts.
 
@@ -169,7 +172,9 @@ def exact_batch(
         rest_speed: an impact after which |omega| / p is below this [1] is the last one, if the base
             lets the block stand.
         max_events: a run with more events (impacts, starts, passages of balance) ends unfinished.
-        workers: threads; as many as there are cores if not given.
+        workers: threads on the CPU; as many as there are cores if not given.
+        device: "cpu", "gpu" or "jax-cpu" (`rocking.solvers.devices`); if not given, a GPU if JAX finds one and the
+            runs are many, else the CPU.
 
     Returns:
         ExactBatchResult of arrays of the broadcast shape.
@@ -182,13 +187,19 @@ def exact_batch(
         start_columns(theta, omega, t_start, t_end),
         motion_columns(motion),
     ]
-    return carry_arrays("linear", motion, groups, max_events, workers)
+    runs = math.prod(np.broadcast_shapes(*(column.shape for group in groups for column in group)))
+    return carry_arrays("linear", motion, groups, max_events, workers, chosen(device, runs))
 
 
 def carry_arrays(
-    form: str, motion: RampedSines | ScaledRecord, groups: list[list[Any]], max_events: int, workers: int | None
+    form: str,
+    motion: RampedSines | ScaledRecord,
+    groups: list[list[Any]],
+    max_events: int,
+    workers: int | None,
+    device: Any = None,
 ) -> ExactBatchResult:
-    """The runs whose checked columns (blocks, starts, motions) are given."""
+    """The runs whose checked columns (blocks, starts, motions) are given; device: one of JAX, or None."""
     if max_events < 1:
         raise ValueError(f"max_events={max_events!r}: want 1 or more")
     if workers is not None and workers < 1:
@@ -197,17 +208,23 @@ def carry_arrays(
 
     def part(first: int, stop: int) -> list[NDArray[np.float64]]:
         pars, starts, motions = (_part(group, shape, first, stop) for group in groups)
-        return [pars, start_rows(*starts.T), motions]
+        return [pars, start_rows(*starts.T), motions if samples is None else scaled(rows[0], *motions.T)]
 
-    record = record_arguments(*_record(motion)) if isinstance(motion, ScaledRecord) else None
-    return _result(carry_portions(form, record, part, math.prod(shape), max_events, workers), shape)
+    samples, rows = joined([_record(motion)]) if isinstance(motion, ScaledRecord) else (None, np.empty((0, 0)))
+    if device is None:
+        return _result(carry_portions(form, samples, part, math.prod(shape), max_events, workers), shape, device)
+    from rocking.solvers.exact_jax import carry_on_device
+
+    pars, starts, motions = part(0, math.prod(shape))
+    return _result(carry_on_device(samples, pars, starts, motions, max_events, device), shape, device)
 
 
-def _result(rows: NDArray[np.float64], shape: tuple[int, ...]) -> ExactBatchResult:
+def _result(rows: NDArray[np.float64], shape: tuple[int, ...], device: Any) -> ExactBatchResult:
     def column(k: int) -> Any:
         return rows[:, k].reshape(shape)
 
     return ExactBatchResult(
         column(OVERTURNED) > 0.0, column(SIDE).astype(np.int64), column(OVERTURNING).copy(), column(LARGEST).copy(),
         column(COUNT).astype(np.int64), column(ENDED).copy(), column(FINISHED) > 0.0,
+        np.broadcast_to(np.array(label(device)), shape),
     )  # fmt: skip

@@ -22,7 +22,8 @@ from rocking.hybrid import Discrete, System
 from rocking.motion import BaseMotion
 from rocking.solvers.exact_motion import piecewise_linear, ramped_sine, refusal
 from rocking.solvers.recording import trajectory
-from rocking.solvers.taylor_batch import COLUMNS, LARGEST, parameter_row, record_arguments, run_batch, start_row
+from rocking.solvers.taylor_batch import COLUMNS, LARGEST, parameter_row, run_batch, start_row
+from rocking.solvers.taylor_records import joined
 from rocking.trajectory import Events, Trajectory
 
 FIRST_ROOM = 1024
@@ -89,7 +90,8 @@ def _run(system: Any, motion: BaseMotion, start: Any, save_at: Any, max_events: 
     par, rows = np.array([parameter_row(system)]), np.empty((1, COLUMNS))
     moves: tuple[Any, ...] = (wave[None, :],) if wave is not None else ()
     if record is not None:
-        moves = (np.ones((1, 2)), *record_arguments(*record))
+        samples, table = joined([record])
+        moves = (table, *samples)
     kernel = entry(f"{system.form}_{'record' if wave is None else 'wave'}")
     room = FIRST_ROOM
     while True:

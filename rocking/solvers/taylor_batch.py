@@ -16,7 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocking.hybrid import REST, ROTATION
+from rocking.solvers.devices import label
 from rocking.solvers.exact_motion import piecewise_linear, ramped_sine
+from rocking.solvers.taylor_records import Samples, joined
 
 Array = NDArray[np.float64]
 
@@ -29,19 +31,9 @@ OVERTURNED, SIDE, OVERTURNING, LARGEST, COUNT, FINISHED, ENDED, FIRST, LAST_MODE
 COLUMNS = 9
 
 
-def record_arguments(head: Array, values: Array) -> tuple[Array, Array, Array]:
-    """What the kernels take for a record: its samples and two zeros, the largest of each block, (t_first, dt)."""
-    from rocking.solvers.exact_kernel import BLOCK
-
-    # One sample alone is an instant, in which nothing happens.
-    padded = np.concatenate([values if values.size > 1 else np.zeros(2), np.zeros(2)])
-    whole = np.concatenate([padded, np.zeros(-padded.size % BLOCK)])
-    return padded, np.abs(whole).reshape(-1, BLOCK).max(axis=1), np.ascontiguousarray(head, dtype=np.float64)
-
-
 def carry_portions(
     form: str,
-    record: tuple[Array, Array, Array] | None,
+    record: Samples | None,
     part: Callable[[int, int], Sequence[Array]],
     count: int,
     max_events: int,
@@ -49,8 +41,8 @@ def carry_portions(
 ) -> Array:
     """What became of each run, shape (count, COLUMNS).
 
-    form: "linear" or "nonlinear"; record: of `record_arguments`, None for sinusoids; part: gives the tables (pars,
-    starts, motions) of the runs from the first number up to the second.
+    form: "linear" or "nonlinear"; record: None for sinusoids; part: gives the tables (pars, starts, motions) of the
+    runs from the first number up to the second.
     """
     from rocking.solvers.taylor_entry import entry
 
@@ -94,11 +86,17 @@ def start_row(y: Any, q: Any, t_span: tuple[float, float]) -> tuple[float, ...]:
 
 
 def run_batch(
-    systems: Sequence[Any], motions: Sequence[Any], states: Sequence[Any], t_span: tuple[float, float], max_events: int
-) -> dict[str, NDArray[Any]]:
+    systems: Sequence[Any],
+    motions: Sequence[Any],
+    states: Sequence[Any],
+    t_span: tuple[float, float],
+    max_events: int,
+    device: Any = None,
+) -> dict[str, Any]:
     """The summary of every run, by name, as `rocking.solve_batch` asks a solver for it.
 
     Systems are of Method 1 and of one form; motions are ramped sinusoids or straight between samples, each as it likes.
+    device: one of JAX for the linear form; the compiled kernels if None.
 
     Raises:
         ValueError: the systems are not of one form.
@@ -109,13 +107,18 @@ def run_batch(
     pars = np.array([parameter_row(system) for system in systems])
     starts = np.array([start_row(y, q, t_span) for y, q in states])
     rows = np.empty((len(systems), COLUMNS))
-    for record, members, table in _by_motion(motions):
+    for record, members, table in _by_kind(motions):
         own = [pars[members], starts[members], table]
 
         def part(first: int, stop: int, own: list[Array] = own) -> list[Array]:
             return [t[first:stop] for t in own]
 
-        rows[members] = carry_portions(form, record, part, len(members), max_events)
+        if device is None:
+            rows[members] = carry_portions(form, record, part, len(members), max_events)
+        else:
+            from rocking.solvers.exact_jax import carry_on_device
+
+            rows[members] = carry_on_device(record, own[0], own[1], own[2], max_events, device)
     fell = rows[:, OVERTURNED] > 0.0
     return {
         "fell": fell,
@@ -127,25 +130,25 @@ def run_batch(
         "impacts": rows[:, COUNT],
         "onset_time": rows[:, FIRST],
         "last_mode": rows[:, LAST_MODE],
+        "device": label(device),
     }
 
 
-def _by_motion(motions: Sequence[Any]) -> list[tuple[Any, NDArray[np.int64], Array]]:
-    """(record or None, which runs, their table of motions) for all sinusoids together and for each record."""
-    groups: dict[int, list[int]] = {}
-    waves: dict[int, Any] = {}
-    for i, motion in enumerate(motions):
-        if id(motion) not in waves:
-            waves[id(motion)] = ramped_sine(motion)
-        groups.setdefault(0 if waves[id(motion)] is not None else id(motion), []).append(i)
-    parts: list[tuple[Any, NDArray[np.int64], Array]] = []
-    for key, numbers in groups.items():
-        members = np.array(numbers)
-        if key == 0:
-            parts.append((None, members, np.array([waves[id(motions[i])] for i in numbers])))
-            continue
-        record = piecewise_linear(motions[numbers[0]])
+def _by_kind(motions: Sequence[Any]) -> list[tuple[Samples | None, NDArray[np.int64], Array]]:
+    """(samples or None, which runs, their table of motions) for all sinusoids together and for all records together."""
+    different = {id(motion): motion for motion in motions}
+    waves = {key: wave for key, m in different.items() if (wave := ramped_sine(m)) is not None}
+    records = {key: piecewise_linear(m) for key, m in different.items() if key not in waves}
+    keys = np.array([id(motion) for motion in motions])
+    on_wave = np.array([id(motion) in waves for motion in motions])
+    parts: list[tuple[Samples | None, NDArray[np.int64], Array]] = []
+    if waves:
+        parts.append((None, np.flatnonzero(on_wave), np.array([waves[key] for key in keys[on_wave]])))
+    for key, record in records.items():
         if record is None:
-            raise ValueError(f"motions: {type(motions[numbers[0]]).__name__} is neither sinusoid nor record")
-        parts.append((record_arguments(*record), members, np.ones((len(numbers), 2))))
+            raise ValueError(f"motions: {type(different[key]).__name__} is neither sinusoid nor record")
+    if records:
+        samples, rows = joined([record for record in records.values() if record is not None])
+        number = {key: i for i, key in enumerate(records)}
+        parts.append((samples, np.flatnonzero(~on_wave), rows[[number[key] for key in keys[~on_wave]]]))
     return parts

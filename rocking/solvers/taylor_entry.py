@@ -89,26 +89,24 @@ def carry_either(runs, form, wave, save_at, room):
     return (0.0, 0.0, 0.0, 0.0, 0.0), log
 
 
-def linear_record(pars, starts, motions, values, peaks, head, max_events, rows, save_at, room):
-    """Linear blocks over a record; head = (t_first, dt)."""
-    runs = row.Runs(pars, starts, motions, values, peaks, head[0], head[1], max_events, rows)
-    return carry_either(runs, None, None, save_at, room)
+def linear_record(pars, starts, motions, values, peaks, max_events, rows, save_at, room):
+    """Linear blocks over records."""
+    return carry_either(row.Runs(pars, starts, motions, values, peaks, max_events, rows), None, None, save_at, room)
 
 
-def nonlinear_record(pars, starts, motions, values, peaks, head, max_events, rows, save_at, room):
-    """Nonlinear blocks over a record."""
-    runs = row.Runs(pars, starts, motions, values, peaks, head[0], head[1], max_events, rows)
-    return carry_either(runs, 1, None, save_at, room)
+def nonlinear_record(pars, starts, motions, values, peaks, max_events, rows, save_at, room):
+    """Nonlinear blocks over records."""
+    return carry_either(row.Runs(pars, starts, motions, values, peaks, max_events, rows), 1, None, save_at, room)
 
 
 def linear_wave(pars, starts, motions, max_events, rows, save_at, room):
     """Linear blocks over ramped sinusoids."""
-    return carry_either(row.Runs(pars, starts, motions, None, None, 0.0, 1.0, max_events, rows), None, 1, save_at, room)
+    return carry_either(row.Runs(pars, starts, motions, None, None, max_events, rows), None, 1, save_at, room)
 
 
 def nonlinear_wave(pars, starts, motions, max_events, rows, save_at, room):
     """Nonlinear blocks over ramped sinusoids."""
-    return carry_either(row.Runs(pars, starts, motions, None, None, 0.0, 1.0, max_events, rows), 1, 1, save_at, room)
+    return carry_either(row.Runs(pars, starts, motions, None, None, max_events, rows), 1, 1, save_at, room)
 
 
 @cache
@@ -116,5 +114,5 @@ def entry(name: str) -> Any:
     """One of the entries, compiled."""
     bodies = {body.__name__: body for body in (linear_record, nonlinear_record, linear_wave, nonlinear_wave)}
     i8, line, table = types.int64, types.float64[::1], types.float64[:, ::1]
-    shared = (line, line, line) if "record" in name else ()
+    shared = (line, line) if "record" in name else ()
     return compiled(bodies[name], (table, table, table, *shared, i8, table, line, i8), f"taylor_{name}")

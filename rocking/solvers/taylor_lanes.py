@@ -200,7 +200,7 @@ def carry(t, values, form, wave, scratch, max_events, quorum, logging):
         if wave is None:
             stop = where(whole, load(t, row.DT), stop)
             b0 = where(whole, b1, b0)
-            b1 = where(whole, load(t, row.SCALE) * gather(values, k + 1.0), b1)
+            b1 = where(whole, load(t, row.SCALE) * gather(values, load(t, row.FIRST) + (k + 1.0)), b1)
         if logging or bits(call > 0.0) != 0:
             break
     store(t, row.CALL, call)

@@ -23,6 +23,7 @@ from rocking.hybrid import REST, ROTATION
 from rocking.solvers import taylor_table as row
 from rocking.solvers.recording import FELL, MAX_STALLED, REACHED_END, STALL_TIME, STALLED, TOO_MANY_EVENTS
 from rocking.solvers.taylor_flight import LONGEST, LONGEST_TURN
+from rocking.solvers.taylor_records import LARGEST_SAMPLE
 from rocking.solvers.taylor_waits import next_push, wave_exceeds
 
 BEFORE, WITHIN, LAST_PART, AFTER = range(4)
@@ -55,21 +56,22 @@ def be_quiet(t, lane, start, stop):
 def be_in_interval(t, lane, values, k, tau, stop):
     """Interval k of the record from tau to stop."""
     t[row.K, lane], t[row.TAU, lane], t[row.STOP, lane] = k, tau, stop
-    t[row.B0, lane], t[row.B1, lane] = t[row.SCALE, lane] * values[k], t[row.SCALE, lane] * values[k + 1]
+    at = int(t[row.FIRST, lane]) + k
+    t[row.B0, lane], t[row.B1, lane] = t[row.SCALE, lane] * values[at], t[row.SCALE, lane] * values[at + 1]
 
 
 @numba.njit(error_model="numpy")
 def enter_record(t, lane, runs):
     """The record, at its begin or where the run starts in it."""
-    n, dt = runs.values.size - 2, t[row.DT, lane]
-    begin = max(t[row.T_START, lane], runs.t_first)
-    k = min(int((begin - runs.t_first) / dt), n - 2)
-    whole = whole_intervals(t, lane, runs)
-    t_k = runs.t_first + k * dt
-    t[row.ORIGIN, lane], t[row.SCALE, lane] = runs.t_first, t[row.SCALE_ON, lane]
+    n, dt, t_first = int(t[row.SAMPLES, lane]), t[row.DT, lane], t[row.BEGIN, lane]
+    begin = max(t[row.T_START, lane], t_first)
+    k = min(int((begin - t_first) / dt), n - 2)
+    whole = whole_intervals(t, lane)
+    t_k = t_first + k * dt
+    t[row.ORIGIN, lane], t[row.SCALE, lane] = t_first, t[row.SCALE_ON, lane]
     be_in_interval(t, lane, runs.values, k, max(begin - t_k, 0.0), dt if k < whole else t[row.T_END, lane] - t_k)
     t[row.K_EDGE, lane] = max(whole, k + 1)
-    bound_step(t, lane, dt, abs(t[row.SCALE, lane]) * runs.peaks.max())
+    bound_step(t, lane, dt, abs(t[row.SCALE, lane]) * runs.motions[int(t[row.RUN, lane]), LARGEST_SAMPLE])
 
 
 @numba.njit(error_model="numpy")
@@ -85,18 +87,17 @@ def enter_wave(t, lane, runs):
 
 
 @numba.njit(error_model="numpy")
-def whole_intervals(t, lane, runs):
+def whole_intervals(t, lane):
     """Intervals of the record that end before the run does."""
-    n = runs.values.size - 2
-    return min(int(max(t[row.T_END, lane] - runs.t_first, 0.0) / t[row.DT, lane]), n - 1)
+    return min(int(max(t[row.T_END, lane] - t[row.BEGIN, lane], 0.0) / t[row.DT, lane]), int(t[row.SAMPLES, lane]) - 1)
 
 
 @numba.njit(error_model="numpy")
 def enter_last_part(t, lane, runs):
     """The interval of the record in which the run ends, after all whole ones; False if there is none."""
-    whole = whole_intervals(t, lane, runs)
-    left = t[row.T_END, lane] - (runs.t_first + whole * t[row.DT, lane])
-    if t[row.K, lane] != whole or whole >= runs.values.size - 3 or left <= 0.0:
+    whole = whole_intervals(t, lane)
+    left = t[row.T_END, lane] - (t[row.BEGIN, lane] + whole * t[row.DT, lane])
+    if t[row.K, lane] != whole or whole >= t[row.SAMPLES, lane] - 1.0 or left <= 0.0:
         return False
     be_in_interval(t, lane, runs.values, whole, 0.0, left)
     t[row.K_EDGE, lane] = whole + 1
@@ -110,8 +111,8 @@ def enter(t, lane, runs, wave, stretch):
     if wave is not None:
         first, last = 0.0, runs.motions[int(t[row.RUN, lane]), 3]
     else:
-        first = runs.t_first
-        last = first + (runs.values.size - 3) * t[row.DT, lane]
+        first = t[row.BEGIN, lane]
+        last = first + (t[row.SAMPLES, lane] - 1.0) * t[row.DT, lane]
     if stretch <= BEFORE and t_start < first:
         be_quiet(t, lane, t_start, min(first, t_end))
         t[row.PHASE, lane] = BEFORE
@@ -137,6 +138,7 @@ def enter(t, lane, runs, wave, stretch):
 def exceeds_on_record(t, lane, runs):
     """Whether |a_x| exceeds what the block stands, from now to the end of the stretch; the lane is put there."""
     onset, tau, k = t[row.ONSET, lane], t[row.TAU, lane], int(t[row.K, lane])
+    first = int(t[row.FIRST, lane])
     threshold = onset / max(abs(t[row.SCALE, lane]), 1e-300) * (1.0 - 1e-12)
     while True:
         b0, b1, stop = t[row.B0, lane], t[row.B1, lane], t[row.STOP, lane]
@@ -151,7 +153,7 @@ def exceeds_on_record(t, lane, runs):
         k += 1
         edge = int(t[row.K_EDGE, lane])
         if k < edge:
-            k = max(next_push(runs.values, runs.peaks, k, threshold) - 1, k)
+            k = max(next_push(runs.values, runs.peaks, first + k, first + edge + 1, threshold) - first - 1, k)
         if k >= edge:
             t[row.K, lane] = edge
             return False
@@ -270,8 +272,8 @@ def begin(t, lane, runs, run, form, wave, logging):
         t[row.OMEGA, lane], t[row.SCALE_ON, lane] = turns, runs.motions[run, 2] / g
         t[row.LIMIT, lane] = min(LONGEST / p, LONGEST_TURN / max(abs(turns), 1e-300))
     else:
-        t[row.SCALE_ON, lane] = runs.motions[run, 0] / g
-        t[row.DT, lane] = runs.dt * runs.motions[run, 1]
+        scale, t[row.DT, lane], t[row.BEGIN, lane], t[row.FIRST, lane], t[row.SAMPLES, lane], _ = runs.motions[run]
+        t[row.SCALE_ON, lane] = scale / g
         t[row.PER_DT, lane] = 1.0 / t[row.DT, lane]
     enter(t, lane, runs, wave, BEFORE)
     t[row.MODE, lane] = mode

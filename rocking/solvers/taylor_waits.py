@@ -17,17 +17,16 @@ MOST_STEPS = 200
 
 
 @numba.njit(error_model="numpy")
-def next_push(values, peaks, k, threshold):
-    """First sample from k on whose |value| exceeds the threshold; the number of samples if there is none."""
-    n = values.size
-    while k < n:
+def next_push(values, peaks, k, stop, threshold):
+    """First sample from k on whose |value| exceeds the threshold; `stop` or more if there is none before."""
+    while k < stop:
         if k % BLOCK == 0 and peaks[k // BLOCK] <= threshold:
             k += BLOCK
         elif abs(values[k]) > threshold:
             return k
         else:
             k += 1
-    return n
+    return k
 
 
 @numba.njit(error_model="numpy")
