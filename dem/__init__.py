@@ -11,6 +11,8 @@ from dem.assembly import Assembly, Body, Wall, block, bodies_of, body, wall
 from dem.assembly_history import AssemblyHistory, Ending, Fall, Separation
 from dem.assembly_settings import ContactJudgement, Criteria
 from dem.assembly_stability import assembly_critical_step
+from dem.drop import Drop, squared_difference, stiffness_from_wave_speed, wave_speed_from_stiffness
+from dem.free_swings import Swings, let_go, swings, top_displacement
 from dem.history import Energies, History, Mode, Outcome
 from dem.materials import Contact
 from dem.scenes import Scene, single_block, single_polygon
@@ -27,6 +29,7 @@ __all__ = [
     "Contact",
     "ContactJudgement",
     "Criteria",
+    "Drop",
     "Ending",
     "Energies",
     "Fall",
@@ -37,6 +40,7 @@ __all__ = [
     "Polygon",
     "Scene",
     "Separation",
+    "Swings",
     "Wall",
     "arch",
     "assembly_critical_step",
@@ -49,6 +53,7 @@ __all__ = [
     "critical_step",
     "drum_column",
     "eq7_step",
+    "let_go",
     "polygon",
     "rectangle",
     "rubble",
@@ -58,5 +63,10 @@ __all__ = [
     "single",
     "single_block",
     "single_polygon",
+    "squared_difference",
+    "stiffness_from_wave_speed",
+    "swings",
+    "top_displacement",
     "wall",
+    "wave_speed_from_stiffness",
 ]

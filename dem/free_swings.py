@@ -1,0 +1,76 @@
+"""A body leaned to one side and let go: displacement of its top, passages through upright, and peaks of its swings.
+
+Source  Winkler, Meguro & Yamazaki (1995), "Material parameters" and Fig. 5: one base edge of a block is lifted, the
+        block is released, and the horizontal displacement of the middle of its top is compared over 7 s
+Status  first passage against Housner's quarter period (tests)
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from dem import checks
+from dem.history import History
+from dem.scenes import Scene
+from dem.shapes import FloatArray
+from dem.simulate import simulate
+from dem.stability import critical_step
+
+FRICTION = 10.0  # so rough a floor that nothing but the dashpots and the landings takes energy
+
+
+class Swings(NamedTuple):
+    """Passages through upright [s], shape (passage,); largest tilts before the first of them and between each and the
+    next [rad], shape (passage,)."""
+
+    passages: FloatArray
+    peaks: FloatArray
+
+
+def let_go(
+    scene: Scene, tilt: float, *, t_end: float, damping: float, kn: float = 1.98e7, ks: float = 1.98e7,
+    dt: float | None = None, g: float = 9.80665, interval: float = 1e-3,
+) -> History:  # fmt: skip
+    """Free vibration of a body from a tilt [rad] at rest.
+
+    t_end [s]; damping: dashpot of a corner, both ways [N s/m]; kn, ks: stiffness of a corner [N/m]
+    dt: step [s]; None: a twentieth of the critical one; interval: between samples, about [s]; g: gravity [m/s^2]
+    Raises ValueError for a bad argument, as `dem.simulate`.
+    """
+    checks.positive("interval", interval, "s")
+    step = 0.05 * critical_step(scene, kn, ks, damping) if dt is None else dt
+    return simulate(
+        scene, t_end=t_end, mu=FRICTION, damping=damping, dt=step, kn=kn, ks=ks, g=g, theta0=tilt,
+        save_every=max(1, round(interval / step)),
+    )  # fmt: skip
+
+
+def top_displacement(history: History) -> FloatArray:
+    """Horizontal displacement of the middle of the top since the block stood upright at x = 0 [m], shape (time,)."""
+    corners = history.scene.shape.corners
+    top = corners[np.isclose(corners[:, 1], corners[:, 1].max())].mean(axis=0)
+    return history.x + top[0] * (np.cos(history.theta) - 1.0) + top[1] * np.sin(history.theta)
+
+
+def swings(time: FloatArray, theta: FloatArray) -> Swings:
+    """Passages and peaks of a sampled rotation; time [s] and theta [rad] of shape (time,)."""
+    upright = np.flatnonzero(np.diff(np.sign(theta)) != 0)
+    share = theta[upright] / (theta[upright] - theta[upright + 1])
+    tilt = np.abs(theta)
+    edges = [0, *upright]
+    peaks = [float(tilt[a : b + 1].max()) for a, b in pairwise(edges)]
+    return Swings(time[upright] + share * (time[upright + 1] - time[upright]), np.array(peaks))
+
+
+def quarter_period(tilt: float, alpha: float, p: float) -> float:
+    """Time from a tilt at rest to upright by the linear equation [s], acosh(1/(1 - tilt/alpha))/p, Housner (1963).
+
+    tilt, alpha [rad], p [rad/s]. Raises ValueError unless 0 < tilt < alpha.
+    """
+    if not 0.0 < tilt < alpha:
+        raise ValueError(f"tilt={tilt} rad: want between 0 and alpha={alpha} rad")
+    return math.acosh(1.0 / (1.0 - tilt / alpha)) / p
