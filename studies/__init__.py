@@ -1,5 +1,9 @@
 """Figures and criteria: specimens, motions, methods and solvers put together; datasets out.
 
-`python -m studies.fig16` makes Fig. 16 of Winkler, Meguro & Yamazaki (1995); every figure has a `dataset`, a `figure`
-and a `check` part, and writes NetCDF first, then draws what is in it.
+`python -m studies` lists the studies, `python -m studies all` makes every one; each has a `dataset`, a `figure` and a
+`check` part, and writes NetCDF first, then draws what is in it.  `studies.open("fig16.nc")` opens what was made.
 """
+
+from studies.analysis import interpolated, open
+
+__all__ = ["interpolated", "open"]

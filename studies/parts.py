@@ -1,7 +1,8 @@
 """Runs computed side by side, each kept in a file of its own, so that an interruption loses nothing that was finished.
 
-A part is written under a temporary name and renamed: after kill -9 at any moment it is whole or not there.  The name is
-a hash of the job and of everything else that decides its result, so a part is never taken for another.
+A part is written under a temporary name and renamed: after kill -9 at any moment it is whole or not there.  Its name is
+a hash of the job and of all sources that decide its result, so a part is never taken for another, and studies that make
+the same run share it.  Parts made with other sources are removed when a study is done.
 
 Source   none, own convention
 Status   kill -9, damaged parts and changed settings are tested
@@ -12,6 +13,7 @@ from __future__ import annotations
 import hashlib
 import os
 import shutil
+import sys
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -29,7 +31,7 @@ Result = dict[str, Any]
 PHYSICS = ("rocking", "dem", "excitation")
 """Packages whose sources decide what a run gives."""
 
-CRITERIA = ("columns", "free_vibration", "overturning", "rocking_onset", "specimens")
+CRITERIA = ("column_runs", "columns", "free_vibration", "overturning", "pickups", "rocking_onset", "specimens")
 """Modules of this package that do too."""
 
 
@@ -42,6 +44,22 @@ def sources_hash() -> str:
     for path in [*files, *(here / f"{name}.py" for name in CRITERIA)]:
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()[:16]
+
+
+@cache
+def studies_hash() -> str:
+    """A hash of the sources of the studies, which put runs together."""
+    digest = hashlib.sha256(sources_hash().encode())
+    for path in sorted(Path(__file__).resolve().parent.rglob("*.py")):
+        digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _source_of(work: Callable[..., Any]) -> str:
+    """The text of the module that a function is from."""
+    module = sys.modules.get(work.__module__)
+    file = getattr(module, "__file__", None)
+    return Path(file).read_text(encoding="utf-8") if file else ""
 
 
 def hashed(*items: Any) -> str:
@@ -58,16 +76,19 @@ class Parts:
 
     Args:
         folder: where parts are kept, made when the first is written.
-        inputs: hash of what decides the results besides the job itself.
         workers: runs side by side; as many as there are cores if not given.
     """
 
-    def __init__(self, folder: Path | None = None, inputs: str = "", workers: int | None = None) -> None:
-        self.folder, self.inputs = folder, inputs
+    def __init__(self, folder: Path | None = None, workers: int | None = None) -> None:
+        self.folder = folder
         self.workers = workers or os.cpu_count() or 1
 
-    def _path(self, job: Any) -> Path | None:
-        return None if self.folder is None else self.folder / f"{hashed(self.inputs, job)}.npz"
+    def _paths(self, jobs: Sequence[Any], work: Callable[..., Any]) -> list[Path | None]:
+        if self.folder is None:
+            return [None] * len(jobs)
+        base = self.folder / sources_hash()
+        about = (work.__module__, work.__qualname__, _source_of(work))
+        return [base / f"{hashed(*about, job)}.npz" for job in jobs]
 
     def _kept(self, path: Path | None) -> Result | None:
         if path is None or not path.exists():
@@ -98,7 +119,8 @@ class Parts:
             work: called in threads; gives numbers, texts and arrays by name.
             label: heads the bar of progress.
         """
-        found: list[Result | None] = [self._kept(self._path(job)) for job in jobs]
+        paths = self._paths(jobs, work)
+        found: list[Result | None] = [self._kept(path) for path in paths]
         pool = ThreadPoolExecutor(self.workers)
         try:
             with tqdm(
@@ -108,7 +130,7 @@ class Parts:
                 for future in as_completed(futures):
                     i = futures[future]
                     result = future.result()
-                    self._keep(self._path(jobs[i]), result)
+                    self._keep(paths[i], result)
                     # As it would be read again, so that a run that went on gives the same.
                     found[i] = {name: _plain(np.asarray(value)) for name, value in result.items()}
                     bar.update()
@@ -117,7 +139,9 @@ class Parts:
             pool.shutdown(wait=True, cancel_futures=True)
         return [result for result in found if result is not None]
 
-    def clear(self) -> None:
-        """Remove the folder, once what it held is in a dataset."""
-        if self.folder is not None:
-            shutil.rmtree(self.folder, ignore_errors=True)
+    def clear_outdated(self) -> None:
+        """Remove parts that were made with other sources."""
+        if self.folder is not None and self.folder.exists():
+            for old in self.folder.iterdir():
+                if old.name != sources_hash():
+                    shutil.rmtree(old, ignore_errors=True)

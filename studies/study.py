@@ -1,7 +1,8 @@
 """A study: what is computed, how it is drawn, what the paper says of it, and the command line that all studies share.
 
 The dataset is written first, then drawn; a dataset that is there with the same settings and sources is not computed
-again.  Runs of a study that was interrupted are kept in a hidden folder beside its files until the dataset is whole.
+again.  Finished runs are kept in a hidden folder beside the files (`studies.parts`), for a study that was interrupted,
+for others that make the same run, and for drawings that change.
 
 Source   none, own convention
 Status   each study runs with --quick in the tests
@@ -12,7 +13,6 @@ from __future__ import annotations
 import argparse
 import json
 import shlex
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, is_dataclass
 from pathlib import Path
@@ -23,7 +23,7 @@ from matplotlib.figure import Figure
 
 from studies import _run
 from studies.claims_table import VERDICTS
-from studies.parts import Parts, hashed, sources_hash
+from studies.parts import Parts, hashed, studies_hash
 
 
 def _nothing(_: Any) -> None:
@@ -73,9 +73,7 @@ def settings_of(plan: Any) -> str:
 
 def inputs_of(study: Study, plan: Any) -> str:
     """A hash of everything that decides the dataset."""
-    module = sys.modules.get(study.dataset.__module__)
-    source = Path(module.__file__).read_text() if module is not None and module.__file__ else ""
-    return hashed(study.name, plan, sources_hash(), source)
+    return hashed(study.name, plan, studies_hash())
 
 
 def there_already(path: Path, inputs: str) -> xr.Dataset | None:
@@ -90,14 +88,14 @@ def there_already(path: Path, inputs: str) -> xr.Dataset | None:
 
 
 def _computed(study: Study, plan: Any, inputs: str, path: Path, workers: int | None, command: str) -> xr.Dataset:
-    parts = Parts(path.with_name(f".{study.name}.parts"), inputs, workers)
+    parts = Parts(path.with_name(".runs"), workers)
     ds = study.dataset(plan, parts)
     ds.attrs = _run.provenance(study.title, command) | ds.attrs
     ds.attrs = {"settings": settings_of(plan)} | ds.attrs | {"study": study.name, "inputs": inputs}
     if "statement" not in ds.dims:
         ds = ds.merge(study.check(ds), combine_attrs="no_conflicts")
     _run.save_dataset(ds, path)
-    parts.clear()
+    parts.clear_outdated()
     return ds
 
 

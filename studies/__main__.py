@@ -1,0 +1,76 @@
+"""All studies: a list of them, and every one made in one go with a page of the pictures.
+
+python -m studies               what there is, a line each
+python -m studies all [--quick] [--out DIR] [--only NAME ...]
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from pathlib import Path
+
+from studies import _run
+from studies.index_page import write_index
+from studies.registry import studies
+from studies.study import Study, make
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m studies",
+        description="Studies: without a word, a list of them; with `all`, every one, and index.html with the pictures.",
+        epilog="A study whose dataset is there with the same settings and sources is not computed again.",
+    )
+    parser.add_argument("word", nargs="?", choices=["all", "list"], default="list", help="what to do (default: list)")
+    parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="make these alone")
+    parser.add_argument("--workers", type=int, metavar="N", help="runs side by side (default: as many as cores)")
+    _run.add_common_arguments(parser)
+    return parser
+
+
+def _options(arguments: argparse.Namespace) -> list[str]:
+    options = ["--out", str(arguments.out)] + (["--quick"] if arguments.quick else [])
+    return options + ([] if arguments.workers is None else ["--workers", str(arguments.workers)])
+
+
+def make_all(chosen: dict[str, Study], arguments: argparse.Namespace) -> dict[str, str]:
+    """Make these studies one after the other; why one failed, by its name."""
+    failed = {}
+    for number, (name, study) in enumerate(chosen.items(), start=1):
+        print(f"--- {name} ({number} of {len(chosen)}): {study.title}", flush=True)
+        start = time.perf_counter()
+        try:
+            make(study, _options(arguments))
+        except Exception as error:  # one study that fails does not take the others with it
+            failed[name] = f"{type(error).__name__}: {error}"
+            print(f"failed: {failed[name]}", flush=True)
+        print(f"    {time.perf_counter() - start:.1f} s", flush=True)
+    return failed
+
+
+def main(argv: list[str]) -> None:
+    """List, or make all.
+
+    Raises:
+        BadInputError: an option's value is not one that it can have, or a study failed.
+    """
+    arguments = _parser().parse_args(argv)
+    found = studies()
+    if arguments.word == "list":
+        width = max(map(len, found))
+        for name, study in found.items():
+            print(f"{name:{width}s}  {study.title}")
+        return
+    for name in arguments.only:
+        _run.one_of("--only", [name], tuple(found))
+    folder: Path = _run.writable_folder(arguments.out)
+    chosen = {name: study for name, study in found.items() if not arguments.only or name in arguments.only}
+    failed = make_all(chosen, arguments)
+    print("wrote", write_index(folder, found))
+    if failed:
+        raise _run.BadInputError(f"{len(failed)} of {len(chosen)} studies failed: {', '.join(failed)}")
+
+
+if __name__ == "__main__":
+    _run.run(main, "finished runs are kept, the same command goes on from there")

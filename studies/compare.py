@@ -1,0 +1,144 @@
+"""Two datasets of a study beside each other: what moved, by how much and where.
+
+    python -m studies.compare A.nc B.nc [--rtol 1e-9]
+
+Numbers are compared at the coordinates that both have; where two axes of numbers share no value, B is interpolated to
+A's points.  Exit status 0 if nothing moved beyond the tolerance, 1 if something did.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from studies import _run
+
+PASSING = ("commit", "command", "inputs", "source", "history")
+"""Attributes that may differ without anything having moved."""
+
+
+@dataclass(frozen=True)
+class Moved:
+    """What became of one variable."""
+
+    name: str
+    units: str
+    compared: int  # values
+    moved: int  # of them, beyond the tolerance
+    largest: float  # absolute
+    relative: float  # largest relative to A
+    where: str  # the coordinates of the largest relative change
+    note: str = ""
+
+
+def _number(variable: xr.DataArray) -> bool:
+    return variable.dtype.kind in "fiub"
+
+
+def common(a: xr.Dataset, b: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset, list[str]]:
+    """Both datasets at coordinates that both have, and what was done to get there."""
+    notes = []
+    for dim in sorted(map(str, set(a.dims) & set(b.dims))):
+        if dim not in a.coords or dim not in b.coords or a.indexes[dim].equals(b.indexes[dim]):
+            continue
+        shared = a.indexes[dim].intersection(b.indexes[dim])
+        if len(shared) or not (_number(a[dim]) and _number(b[dim])):
+            notes.append(f"{dim}: {len(shared)} values in both of {a.sizes[dim]} and {b.sizes[dim]}")
+            a, b = a.sel({dim: shared}), b.sel({dim: shared})
+        else:
+            low, high = float(b[dim].min()), float(b[dim].max())
+            a = a.isel({dim: ((a[dim] >= low) & (a[dim] <= high)).values})
+            notes.append(f"{dim}: no value in both; B is interpolated to {a.sizes[dim]} points of A")
+            numbers = [name for name, v in b.data_vars.items() if v.dtype.kind == "f"]
+            b = b[numbers].interp({dim: a[dim]})
+    return a, b, notes
+
+
+def _where(variable: xr.DataArray, index: tuple[Any, ...]) -> str:
+    point = variable[index] if index else variable
+    return ", ".join(f"{name}={point[name].item()}" for name in variable.dims if name in point.coords)
+
+
+def moved(name: str, a: xr.DataArray, b: xr.DataArray, rtol: float) -> Moved:
+    """One variable in both datasets."""
+    units = str(a.attrs.get("units", ""))
+    if a.dims != b.dims or a.shape != b.shape:
+        return Moved(name, units, 0, 0, np.nan, np.nan, "", f"shapes {a.dims}{a.shape} and {b.dims}{b.shape}")
+    if not (_number(a) and _number(b)):
+        differ = a.values != b.values
+        first = tuple(np.argwhere(differ)[0]) if differ.any() else ()
+        note = f"{a.values[first]!s} -> {b.values[first]!s}" if differ.any() else ""
+        return Moved(name, "", a.size, int(differ.sum()), np.nan, np.nan, _where(a, first) if note else "", note)
+    x, y = a.values.astype(np.float64), b.values.astype(np.float64)
+    apart = np.abs(y - x)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = np.where(apart == 0.0, 0.0, apart / np.abs(x))
+    lost = np.isnan(x) != np.isnan(y)
+    same = (np.isnan(x) & np.isnan(y)) | (x == y)
+    beyond = lost | (~same & (relative > rtol))
+    if not beyond.any():
+        return Moved(name, units, a.size, 0, float(np.nanmax(apart, initial=0.0)), 0.0, "")
+    rank = np.where(lost, np.inf, np.where(beyond, relative, -1.0))
+    index = tuple(np.unravel_index(int(np.argmax(rank)), rank.shape))
+    note = f"{x[index]:.6g} -> {y[index]:.6g}" + (f"; {int(lost.sum())} known in one alone" if lost.any() else "")
+    known = np.where(lost | same, 0.0, apart), np.where(lost | same, 0.0, relative)
+    return Moved(
+        name, units, a.size, int(beyond.sum()), float(known[0].max()), float(known[1].max()), _where(a, index), note
+    )
+
+
+def compared(a: xr.Dataset, b: xr.Dataset, rtol: float = 1e-9) -> tuple[list[Moved], list[str]]:
+    """Every variable that both have, those that moved most first; and what else differs, in lines."""
+    both_a, both_b, notes = common(a, b)
+    for label, one, other in (("A", a, b), ("B", b, a)):
+        alone = sorted(set(map(str, one.variables)) - set(map(str, other.variables)))
+        if alone:
+            notes.append(f"in {label} alone: {', '.join(alone)}")
+    for name in sorted(set(a.attrs) | set(b.attrs)):
+        if name not in PASSING and a.attrs.get(name) != b.attrs.get(name):
+            notes.append(f"attribute {name}: {a.attrs.get(name, 'absent')} -> {b.attrs.get(name, 'absent')}")
+    names = [str(name) for name in both_a.data_vars if name in both_b.data_vars]
+    rows = [moved(name, both_a[name], both_b[name], rtol) for name in names]
+    return sorted(rows, key=lambda row: (row.moved == 0, -np.nan_to_num(row.relative))), notes
+
+
+def _line(row: Moved) -> str:
+    if not row.moved and not row.note:
+        return f"{row.name}: {row.compared} values, none moved"
+    if not row.compared:
+        return f"{row.name}: cannot be compared, {row.note}"
+    number = "" if np.isnan(row.relative) else f", by up to {row.relative:.3g} ({row.largest:.3g} {row.units})"
+    return f"{row.name}: {row.moved} of {row.compared} values moved{number}; at {row.where or 'the value'}: {row.note}"
+
+
+def main(argv: list[str]) -> None:
+    """Compare two files and say what moved."""
+    parser = argparse.ArgumentParser(
+        prog="python -m studies.compare", description="What moved between two datasets, by how much and where."
+    )
+    parser.add_argument("a", type=Path, metavar="A.nc", help="dataset before")
+    parser.add_argument("b", type=Path, metavar="B.nc", help="dataset after")
+    parser.add_argument("--rtol", type=float, default=1e-9, help="relative change that counts (default: %(default)s)")
+    arguments = parser.parse_args(argv)
+    _run.positive("--rtol", arguments.rtol, zero=True)
+    pair = []
+    for path in (arguments.a, arguments.b):
+        try:
+            with xr.open_dataset(path) as opened:
+                pair.append(opened.load())
+        except (OSError, ValueError) as error:
+            raise _run.BadInputError(f"{path}: want a NetCDF dataset ({type(error).__name__})") from None
+    rows, notes = compared(pair[0], pair[1], arguments.rtol)
+    print("\n".join([*notes, *map(_line, rows)]))
+    if any(row.moved or row.note for row in rows) or not rows:
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    _run.run(main)
