@@ -36,7 +36,7 @@ AFTER_FALL = 2.0
 def vertical_reading(run: dem.AssemblyHistory, body: int, height: float, base: Motion) -> tuple[Array, Array]:
     """(times [s], reading along the block [m/s^2]) at the middle of the top of a body of this height [m]."""
     # A run ends with a sample of its own, closer to the one before.
-    even = slice(None, run.time.size - (abs(np.diff(run.time[-2:])[0] - SAMPLE) > 0.01 * SAMPLE))
+    even = slice(None, run.time.size - (abs(np.diff(run.time[-2:])[0] - SAMPLE) > 1e-6 * SAMPLE))
     time, theta, omega, half = run.time[even], run.theta[even, body], run.omega[even, body], 0.5 * height
     u = run.vx[even, body] + omega * half * np.cos(theta)
     v = run.vz[even, body] - omega * half * np.sin(theta)
