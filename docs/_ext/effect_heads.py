@@ -1,0 +1,70 @@
+"""The page of effects, made from the heads of the files in rocking/effects."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import math
+import re
+import textwrap
+
+from rocking.effects import available, load
+
+ENTRY = re.compile(r"^(Adds|Changes|Parameters|Use when|Limits|Source|Status) +(?=\S)")
+
+
+def head_of(doc: str) -> tuple[str, list[tuple[str, str]]]:
+    """The first sentence of a head, and its entries (name, text)."""
+    title, _, rest = doc.partition("\n\n")
+    entries: list[tuple[str, str]] = []
+    for line in textwrap.dedent(rest).splitlines():
+        match = ENTRY.match(line)
+        if match:
+            entries.append((match.group(1), line[match.end() :].strip()))
+        elif line.strip() and entries:
+            name, text = entries[-1]
+            entries[-1] = (name, f"{text} {line.strip()}")
+        elif not line.strip() and entries:
+            break
+    return " ".join(title.split()), entries
+
+
+def literal(text: str) -> str:
+    """Text of a head as Markdown: what is no word of English stays as it is."""
+    parts = re.split(r"(`[^`]+`)", text)
+    return "".join(p if i % 2 else re.sub(r"([*_<>|\[\]\\$])", r"\\\1", p) for i, p in enumerate(parts))
+
+
+def _number(value: float | None) -> str:
+    return (
+        "the block's own" if value is None else {math.inf: "infinite", -math.inf: "-infinite"}.get(value, f"{value:g}")
+    )
+
+
+def _parameters(name: str) -> str:
+    effect = load(name)
+    rows = ["| parameter | unit | absent at | from | to |", "|---|---|---|---|---|"]
+    for field in dataclasses.fields(effect):
+        low, high = effect.ranges.get(field.name, (-math.inf, math.inf))
+        unit = effect.units.get(field.name, "1")
+        rows.append(
+            f"| `{field.name}` | {literal(unit)} | {_number(field.default)} | {_number(low)} | {_number(high)} |"
+        )
+    return "\n".join(rows)
+
+
+def effects_text() -> str:
+    """One section for each effect of the package."""
+    parts = []
+    for name in available():
+        module = importlib.import_module(load(name).__module__)
+        title, entries = head_of(module.__doc__ or "")
+        lines = [f"({name.replace('_', '-')}-effect)=", f"## `{name}`", "", literal(title), ""]
+        # A list of definitions.
+        for entry, text in entries:
+            if entry != "Parameters":
+                lines += [entry, f": {literal(text)}", ""]
+            else:
+                lines += ["Parameters", f": {literal(text)}", ""]
+        parts.append("\n".join([*lines, _parameters(name), ""]))
+    return "\n".join(parts)

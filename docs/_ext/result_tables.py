@@ -1,0 +1,97 @@
+"""Tables of results as Markdown: benchmarks with the day they were taken, checks with what they were held against."""
+
+from __future__ import annotations
+
+import ast
+import csv
+import subprocess
+from pathlib import Path
+
+from effect_heads import literal
+
+ROOT = Path(__file__).resolve().parents[2]
+CHECKS = ROOT / "docs" / "results" / "checks.csv"
+ANCHORS = ROOT / "docs" / "results" / "anchors.csv"
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    """Rows of a CSV file by column."""
+    with path.open(newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def _table(columns: list[str], rows: list[list[str]]) -> str:
+    lines = [f"| {' | '.join(columns)} |", "|" + "---|" * len(columns)]
+    return "\n".join(lines + [f"| {' | '.join(cell or ' ' for cell in row)} |" for row in rows])
+
+
+def day_of(path: Path) -> str:
+    """The day on which a file was last committed; "not known here" outside of a checkout."""
+    command = ["git", "-C", str(path.parent), "log", "-1", "--format=%as", "--", path.name]
+    try:
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip() or "not committed yet"
+    except (OSError, subprocess.SubprocessError):
+        return "not known here"
+
+
+def benchmark_text(name: str) -> str:
+    """A benchmark: the head of its script, the day, the table."""
+    script, path = ROOT / "benchmarks" / f"{name}.py", ROOT / "benchmarks" / "results" / f"{name}.csv"
+    head = ast.get_docstring(ast.parse(script.read_text())) or ""
+    title, _, rest = head.partition("\n\n")
+    if not path.exists():
+        return f"{literal(' '.join(title.split()))} No result is kept yet."
+    rows = rows_of(path)
+    same = {c: rows[0][c] for c in rows[0] if c in ("python", "machine") and len({row[c] for row in rows}) == 1}
+    columns = [c for c in rows[0] if c not in same]
+    where = f"Python {same['python']} on {same['machine']}" if len(same) == 2 else "see the columns"
+    table = _table([c.replace("_", " ") for c in columns], [[literal(row[c]) for c in columns] for row in rows])
+    note = f"*Result of {day_of(path)}, {where}; `benchmarks/results/{name}.csv`.*"
+    return "\n".join([literal(" ".join(title.split())), "", "```text", rest, "```", "", note, "", table])
+
+
+def _numbers(row: dict[str, str]) -> tuple[str, str]:
+    """What was found, and what was wanted, with its tolerance."""
+    if row["wanted"]:
+        wanted = f"{row['wanted']} ± {row['allowed']}" if row["allowed"] not in ("", "0") else row["wanted"]
+        return row["found"], wanted
+    return (f"`{row['found']}`" if row["found"] else ""), ""
+
+
+def _check_rows(rows: list[dict[str, str]]) -> str:
+    cells = []
+    for row in rows:
+        found, wanted = _numbers(row)
+        found, wanted = (t if t.startswith("`") else literal(t) for t in (found, wanted))
+        cells.append([literal(row["claim"]), row["cases"], found.replace("|", "\\|"), wanted, literal(row["beside"])])
+    return _table(["claim", "cases", "found", "wanted", "held against"], cells)
+
+
+def checks_text(prefix: str) -> str:
+    """All checks of the test files whose path starts with `prefix`, one section to a file."""
+    rows = [row for row in rows_of(CHECKS) if row["file"].startswith(prefix)]
+    parts = []
+    for file in sorted({row["file"] for row in rows}):
+        own = [row for row in rows if row["file"] == file]
+        head = ast.get_docstring(ast.parse((ROOT / file).read_text())) or ""
+        title = literal(" ".join(head.split("\n\n")[0].split()))
+        cases = sum(int(row["cases"]) for row in own)
+        days = sorted({row["date"] for row in own})
+        name = file.removeprefix("tests/").removesuffix(".py")
+        note = f"*{len(own)} tests in {cases} cases, run on {days[-1]}.*"
+        shown = [row for row in own if row["found"]]
+        if len(shown) < len(own):
+            note = note.replace(".*", f"; {len(own) - len(shown)} compare no numbers and are not listed.*")
+        parts += [f"## `{name}`", "", title, "", note, "", _check_rows(shown) if shown else "", ""]
+    return "\n".join(parts)
+
+
+def anchors_text() -> str:
+    """The checks of `anchors.csv`, in its order, with the number that each found."""
+    by_test = {(row["file"], row["test"]): row for row in rows_of(CHECKS)}
+    cells = []
+    for anchor in rows_of(ANCHORS):
+        row = by_test.get((anchor["file"], anchor["test"]))
+        found, wanted = _numbers(row) if row else ("*not collected yet*", "")
+        cells.append([literal(anchor["what"]), found, wanted, literal(anchor["source"]), f"`{anchor['test']}`"])
+    return _table(["what is checked", "found", "wanted", "source", "test"], cells)
