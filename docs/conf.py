@@ -1,4 +1,4 @@
-"""Settings of the documentation: `python -m sphinx -W -n --keep-going -j auto docs build/docs`."""
+"""Settings of the documentation: `python -m sphinx -W -n --keep-going docs build/docs`."""
 
 import sys
 from importlib.metadata import version as installed_version
