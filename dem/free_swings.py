@@ -35,7 +35,8 @@ def let_go(
     scene: Scene, tilt: float, *, t_end: float, damping: float, kn: float = 1.98e7, ks: float = 1.98e7,
     dt: float | None = None, g: float = 9.80665, interval: float = 1e-3,
 ) -> History:  # fmt: skip
-    """Free vibration of a body from a tilt [rad] at rest.
+    """Free vibration of a body from a tilt [rad] at rest, about the corner on which it would then lean if it had stood
+    upright with its centroid at x = 0.
 
     t_end [s]; damping: dashpot of a corner, both ways [N s/m]; kn, ks: stiffness of a corner [N/m]
     dt: step [s]; None: a twentieth of the critical one; interval: between samples, about [s]; g: gravity [m/s^2]
@@ -43,8 +44,12 @@ def let_go(
     """
     checks.positive("interval", interval, "s")
     step = 0.05 * critical_step(scene, kn, ks, damping) if dt is None else dt
+    corners = scene.shape.corners
+    turned = corners[:, 0] * math.cos(tilt) + corners[:, 1] * math.sin(tilt)
+    carries = int(np.argmin(corners[:, 1] * math.cos(tilt) - corners[:, 0] * math.sin(tilt)))
     return simulate(
         scene, t_end=t_end, mu=FRICTION, damping=damping, dt=step, kn=kn, ks=ks, g=g, theta0=tilt,
+        x0=float(corners[carries, 0] - turned[carries]),
         save_every=max(1, round(interval / step)),
     )  # fmt: skip
 

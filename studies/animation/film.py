@@ -76,9 +76,12 @@ class Film:
     def between(self, start: float, end: float) -> Film:
         """The samples from start to end [s], and the events among them."""
         kept = (self.time >= start) & (self.time <= end)
-        cut = {name: getattr(self, name)[kept] for name in ("time", "x", "z", "theta")}
-        base = {name: None if (a := getattr(self, name)) is None else a[kept] for name in ("base_ax", "base_az")}
-        return replace(self, **cut, **base, events=tuple(e for e in self.events if start <= e[0] <= end))
+        return replace(
+            self, time=self.time[kept], x=self.x[kept], z=self.z[kept], theta=self.theta[kept],
+            base_ax=None if self.base_ax is None else self.base_ax[kept],
+            base_az=None if self.base_az is None else self.base_az[kept],
+            events=tuple(event for event in self.events if start <= event[0] <= end),
+        )  # fmt: skip
 
     def sample_at(self, time: float) -> int:
         """The sample nearest to a time [s].

@@ -53,7 +53,7 @@ class Stage:
         for artist in self.moving:
             artist.set_animated(True)
         self.canvas.draw()
-        self.still = self.canvas.copy_from_bbox(self.figure.bbox)  # type: ignore[attr-defined]
+        self.still = self.canvas.copy_from_bbox(self.figure.bbox)
 
     def show(self, time: float) -> None:
         """Move everything to where it is at a time [s]."""
@@ -65,7 +65,7 @@ class Stage:
 
     def picture(self) -> Image.Image:
         """What is shown now."""
-        self.canvas.restore_region(self.still)  # type: ignore[attr-defined]
+        self.canvas.restore_region(self.still)
         for artist in self.moving:
             artist.axes.draw_artist(artist)
         return Image.fromarray(np.asarray(self.canvas.buffer_rgba())[:, :, :3].copy())
@@ -147,7 +147,8 @@ def write_mp4(film: Film, path: Path, times: npt.NDArray[Any], fps: float, progr
 
     def write(target: Path) -> None:
         # yuv420p and even sizes: what browsers and slides play.
-        writer = FFMpegWriter(fps=fps, codec="libx264", extra_args=["-pix_fmt", "yuv420p", "-vf", EVEN])
+        rate: Any = fps  # matplotlib's own hint is too narrow
+        writer = FFMpegWriter(fps=rate, codec="libx264", extra_args=["-pix_fmt", "yuv420p", "-vf", EVEN])
         with writer.saving(stage.figure, str(target), DPI):
             for time in tqdm(times, unit="frame", desc="MP4", disable=None if progress else True):
                 stage.show(float(time))

@@ -95,7 +95,7 @@ def page(film: Film, *, most_frames: int = MOST_FRAMES, most_bytes: int = MOST_B
 def write_page(film: Film, path: Path) -> None:
     """Write the page, whole or not at all."""
     html = page(film).encode("utf-8")
-    _run.write_whole(path, lambda target: target.write_bytes(html))  # type: ignore[arg-type]
+    _run.write_whole(path, lambda target: target.write_bytes(html))
 
 
 def _poses(film: Film, kept: npt.NDArray[Any]) -> tuple[npt.NDArray[np.uint16], list[float], list[float]]:

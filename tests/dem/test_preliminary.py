@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import dem
-from dem.free_swings import let_go, quarter_period, swings, top_displacement
 from dem.drop import (
     Drop,
     largest_step_as_good,
@@ -14,6 +13,7 @@ from dem.drop import (
     stiffness_from_wave_speed,
     wave_speed_from_stiffness,
 )
+from dem.free_swings import let_go, quarter_period, swings, top_displacement
 
 T, SAMPLES = 3.3e-3, 152
 
