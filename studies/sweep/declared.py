@@ -1,0 +1,265 @@
+"""What a sweep is: axes, what stays fixed, excitations; declared in Python or in a small TOML, checked before it runs.
+
+    title = "Size and slenderness under a ramp and a pulse"
+
+    [axes]                                  # in the order of the dimensions
+    method = ["method1", "method2", "dem"]
+    h = [0.25, 0.5, 1.0]                    # height [m]
+    slenderness = { start = 0.1, stop = 0.5, count = 9 }        # b/h; log = true spaces logarithmically
+    frequency = [1.0, 2.0, 3.0]             # of the base motion [Hz]; of a pulse, 1 over its period
+    excitation = ["ramp", "pulse"]
+
+    [fixed]                                 # what is no axis; what is in neither has a default
+    friction = 0.7
+    restitution = 1.0                       # over Housner's
+
+    [excitations.ramp]
+    kind = "ramped_sinusoid"                # criterion: envelope at overturning
+    duration = 90.0                         # [s]
+    final_amplitude = 245.0                 # [m/s^2]
+
+    [excitations.pulse]
+    kind = "OneSinePulse"                   # any pulse of `excitation`; criterion: least amplitude that fells
+    highest = 60.0                          # amplitude up to which is looked [m/s^2]
+
+Source   none, own convention
+Status   every refusal is tested
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import tomllib
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import excitation
+from excitation.pulse import CentredPulse, FinitePulse
+from studies.overturning import METHODS
+
+Axis = tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What may be an axis: unit, name, value where nothing is said, and the open range of its numbers."""
+
+    units: str
+    long_name: str
+    default: Any
+    low: float = 0.0
+    high: float = math.inf
+    low_allowed: bool = False
+
+
+PARAMETERS: Mapping[str, Parameter] = {
+    "method": Parameter("", "method", "method1"),
+    "h": Parameter("m", "height of the block", 0.5),
+    "slenderness": Parameter("1", "breadth over height of the block", 0.3),
+    "frequency": Parameter("Hz", "frequency of the base motion", 3.0),
+    "friction": Parameter("1", "friction coefficient", 0.7, low_allowed=True),
+    "restitution": Parameter("1", "restitution over Housner's", 1.0, high=2.0),
+    "excitation": Parameter("", "excitation", "ramp"),
+}
+"""Names that an axis or a fixed value may have."""
+
+RAMP = "ramped_sinusoid"
+RAMP_DEFAULTS = {"duration": 90.0, "final_amplitude": 25.0 * 9.80665}
+PULSE_DEFAULTS = {"highest": 100.0, "steps": 40, "bisections": 20, "after": 6.0}
+RUN_DEFAULTS = {"solver": "numba", "form": "linear", "rtol": 1e-9, "atol": 1e-12, "depth": 0.25}
+
+
+def pulses() -> tuple[str, ...]:
+    """Names of the pulses of `excitation` that an amplitude and a period make."""
+    found = excitation.formulas().items()
+    return tuple(sorted(n for n, kind in found if issubclass(kind, (FinitePulse, CentredPulse)) and _plain(kind)))
+
+
+def _plain(kind: Any) -> bool:
+    try:
+        kind(amplitude=1.0, period=1.0)
+    except TypeError:
+        return False
+    return True
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """A declared sweep; what is in neither `axes` nor `fixed` has its default.
+
+    Args:
+        axes: values by name, in the order of the dimensions.
+        fixed: one value by name.
+        excitations: kind and numbers of each excitation by its name; a ramped sinusoid "ramp" if not given.
+        run: solver, form, rtol, atol of Methods 1 and 2; depth of the blocks [m].
+        title: of the dataset.
+
+    Raises:
+        ValueError: a name or a value is not one that it can have.
+    """
+
+    axes: Mapping[str, Any]
+    fixed: Mapping[str, Any] = field(default_factory=dict)
+    excitations: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: {"ramp": {"kind": RAMP}})
+    run: Mapping[str, Any] = field(default_factory=dict)
+    title: str = "Criteria of rocking and overturning"
+
+    def __post_init__(self) -> None:
+        axes = {name: _axis(name, values) for name, values in self.axes.items()}
+        if not axes:
+            raise ValueError("axes: none given, want one or more")
+        fixed = {name: _value(name, value) for name, value in self.fixed.items()}
+        both = sorted(set(axes) & set(fixed))
+        if both:
+            raise ValueError(f"{both[0]}: is an axis and fixed; want one of the two")
+        object.__setattr__(self, "axes", axes)
+        object.__setattr__(self, "fixed", {n: p.default for n, p in PARAMETERS.items() if n not in axes} | fixed)
+        object.__setattr__(self, "excitations", {n: _excitation(n, e) for n, e in self.excitations.items()})
+        object.__setattr__(self, "run", _run_settings(self.run))
+        self._check_together()
+
+    def _check_together(self) -> None:
+        for name in self.all_values("excitation"):
+            if name not in self.excitations:
+                raise ValueError(f"excitation={name!r}: want one of {', '.join(sorted(self.excitations))}")
+        for name in self.all_values("method"):
+            if name not in METHODS:
+                raise ValueError(f"method={name!r}: want one of {', '.join(METHODS)}")
+        if "method2" in self.all_values("method") and max(self.all_values("friction")) >= 4.0 / 3.0:
+            raise ValueError("friction: want below 4/3 with method2 (a corner may jam)")
+
+    def all_values(self, name: str) -> Axis:
+        """Every value that a parameter takes in the sweep."""
+        return tuple(self.axes[name]) if name in self.axes else (self.fixed[name],)
+
+    @cached_property
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of the axes."""
+        return tuple(len(values) for values in self.axes.values())
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return math.prod(self.shape)
+
+    def as_json(self) -> str:
+        """All of it, as `from_mapping` takes it."""
+        return json.dumps(asdict(self), sort_keys=False)
+
+
+def _value(name: str, value: Any) -> Any:
+    if name not in PARAMETERS:
+        raise ValueError(f"{name}: want one of {', '.join(PARAMETERS)}")
+    parameter = PARAMETERS[name]
+    if not parameter.units:
+        if not isinstance(value, str):
+            raise ValueError(f"{name}={value!r}: want a name")
+        return value
+    number = float(value) if isinstance(value, (int, float, np.number)) and not isinstance(value, bool) else math.nan
+    low = number >= parameter.low if parameter.low_allowed else number > parameter.low
+    if not (math.isfinite(number) and low and number < parameter.high):
+        least = f"{parameter.low:g} or more" if parameter.low_allowed else f"above {parameter.low:g}"
+        most = "" if parameter.high == math.inf else f" and below {parameter.high:g}"
+        unit = "" if parameter.units == "1" else f" {parameter.units}"
+        raise ValueError(f"{name}={value!r}{unit}: want a number {least}{most}")
+    return number
+
+
+def _spaced(name: str, spec: Mapping[str, Any]) -> list[float]:
+    """Values from start, stop, count and log."""
+    try:
+        start, stop, count = float(spec["start"]), float(spec["stop"]), spec["count"]
+    except (KeyError, TypeError, ValueError):
+        raise ValueError(f"{name}={dict(spec)!r}: want start, stop and count, and perhaps log") from None
+    if set(spec) - {"start", "stop", "count", "log"} or not isinstance(count, int) or count < 1:
+        raise ValueError(f"{name}={dict(spec)!r}: want start, stop and a whole count above 0, and perhaps log")
+    if spec.get("log"):
+        if not (start > 0.0 and stop > 0.0):
+            raise ValueError(f"{name}={dict(spec)!r}: want start and stop above 0 with log")
+        return [float(x) for x in np.geomspace(start, stop, count)]
+    return [float(x) for x in np.linspace(start, stop, count)]
+
+
+def _axis(name: str, values: Any) -> Axis:
+    listed = _spaced(name, values) if isinstance(values, Mapping) else values
+    if isinstance(listed, str) or not isinstance(listed, (list, tuple, range, np.ndarray)) or len(listed) == 0:
+        raise ValueError(f"{name}={values!r}: want a list of one or more values")
+    found = tuple(_value(name, value) for value in listed)
+    if len(set(found)) < len(found):
+        raise ValueError(f"{name}: want each value once")
+    if PARAMETERS[name].units and list(found) != sorted(found):
+        raise ValueError(f"{name}: want ascending values")
+    return found
+
+
+def _excitation(name: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    kind = given.get("kind")
+    if kind != RAMP and kind not in pulses():
+        raise ValueError(f"excitations.{name}.kind={kind!r}: want one of {', '.join((RAMP, *pulses()))}")
+    known = RAMP_DEFAULTS if kind == RAMP else PULSE_DEFAULTS
+    for key, value in given.items():
+        if key == "kind":
+            continue
+        if key not in known:
+            raise ValueError(f"excitations.{name}.{key}: want one of {', '.join(('kind', *known))}")
+        whole = key in ("steps", "bisections")
+        fits = isinstance(value, int if whole else (int, float)) and not isinstance(value, bool)
+        if not (fits and math.isfinite(value) and value > 0):
+            raise ValueError(
+                f"excitations.{name}.{key}={value!r}: want a {'whole number' if whole else 'number'} above 0"
+            )
+    return {"kind": kind} | known | {key: value for key, value in given.items() if key != "kind"}
+
+
+def _run_settings(given: Mapping[str, Any]) -> dict[str, Any]:
+    from rocking.solvers import available
+
+    for key in given:
+        if key not in RUN_DEFAULTS:
+            raise ValueError(f"run.{key}: want one of {', '.join(RUN_DEFAULTS)}")
+    settings: dict[str, Any] = RUN_DEFAULTS | dict(given)
+    if settings["solver"] not in available():
+        raise ValueError(f"run.solver={settings['solver']!r}: want one of {', '.join(available())}")
+    if settings["form"] not in ("linear", "nonlinear"):
+        raise ValueError(f"run.form={settings['form']!r}: want 'linear' or 'nonlinear'")
+    for key in ("rtol", "atol", "depth"):
+        if not (isinstance(settings[key], (int, float)) and math.isfinite(settings[key]) and settings[key] > 0.0):
+            raise ValueError(f"run.{key}={settings[key]!r}: want a number above 0")
+    return settings
+
+
+def from_mapping(declared: Mapping[str, Any]) -> Sweep:
+    """A sweep from what a TOML holds.
+
+    Raises:
+        ValueError: a name or a value is not one that it can have.
+    """
+    known = ("title", "axes", "fixed", "excitations", "run")
+    for key in declared:
+        if key not in known:
+            raise ValueError(f"{key}: want one of {', '.join(known)}")
+    for key in known[1:]:
+        if key in declared and not isinstance(declared[key], Mapping):
+            raise ValueError(f"{key}={declared[key]!r}: want a table")
+    return Sweep(**{"axes": {}} | dict(declared))
+
+
+def read(path: Path | str) -> Sweep:
+    """A sweep from a TOML.
+
+    Raises:
+        ValueError: it cannot be read, or a name or a value is not one that it can have.
+    """
+    try:
+        with Path(path).open("rb") as file:
+            return from_mapping(tomllib.load(file))
+    except OSError as error:
+        raise ValueError(f"{path}: want a file that can be read ({error.strerror})") from None
+    except tomllib.TOMLDecodeError as error:
+        raise ValueError(f"{path}: want TOML ({error})") from None

@@ -1,0 +1,78 @@
+"""The chunks of a sweep put into one dataset, one at a time, so that its size does not matter.
+
+Source   CF conventions 1.11 for the attributes
+Status   the dataset of an interrupted sweep equals that of one that was not (tests)
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+import xarray as xr
+
+from studies import _run
+from studies.sweep.chunks import Folder, boxes, coordinates, variable_attributes
+from studies.sweep.declared import Sweep
+from studies.sweep.evaluation import G
+
+
+def _skeleton(target: netCDF4.Dataset, sweep: Sweep) -> None:
+    """Dimensions, coordinates and variables without numbers."""
+    whole = tuple((0, size) for size in sweep.shape)
+    for name, (_, values, attributes) in coordinates(sweep, whole).items():
+        target.createDimension(name, len(values))
+        kind: Any = str if isinstance(values[0], str) else "f8"
+        variable = target.createVariable(name, kind, (name,))
+        variable[:] = np.array(values, dtype=object if kind is str else np.float64)
+        variable.setncatts(attributes)
+    for name, attributes in variable_attributes().items():
+        if name == "outcome":
+            variable = target.createVariable(name, "i1", tuple(sweep.axes), zlib=True)
+        else:
+            variable = target.createVariable(name, "f8", tuple(sweep.axes), zlib=True, fill_value=np.nan)
+        variable.setncatts(attributes)
+
+
+def _chunk(path: Path) -> xr.Dataset:
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as ds:
+            return ds.load()
+    except (OSError, ValueError, RuntimeError):
+        path.unlink(missing_ok=True)
+        raise RuntimeError(f"{path}: was damaged and is removed; the same command computes it again") from None
+
+
+def gather(sweep: Sweep, folder: Folder, points: int, target: Path, attributes: dict[str, str]) -> None:
+    """Write the dataset of all chunks.
+
+    Raises:
+        RuntimeError: a chunk cannot be read; it has been removed.
+    """
+    declined: set[str] = set()
+
+    def write(path: Path) -> None:
+        with netCDF4.Dataset(path, "w") as file:
+            _skeleton(file, sweep)
+            for number, box in enumerate(boxes(sweep.shape, points)):
+                part, where = _chunk(folder.file(number)), tuple(slice(*pair) for pair in box)
+                for name in part.data_vars:
+                    file[str(name)][where] = part[name].values
+                declined.update(json.loads(part.attrs["declined"]))
+            file.setncatts(attributes | {"declined": json.dumps(sorted(declined))})
+
+    _run.write_whole(target, write)
+
+
+def attributes_of(sweep: Sweep, identity: dict[str, Any], command: str) -> dict[str, str]:
+    """Enough to make the dataset again."""
+    again = {
+        "references": "criteria after Winkler, Meguro & Yamazaki (1995)",
+        "declared": sweep.as_json(),
+        "sources": str(identity["sources"]),
+        "gravity": f"{G} m s-2",
+    }
+    return _run.provenance(sweep.title, command) | again

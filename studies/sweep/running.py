@@ -1,0 +1,155 @@
+"""A sweep carried out: chunks side by side on this machine's cores or on a dask cluster, kept as they are done.
+
+Only so many chunks are under way as keep the workers busy, so the sweep may be larger than memory.  What is there is
+not computed again; a chunk of a worker that died is given to another.
+
+Source   none, own convention
+Status   killed and gone on with, on cores and on a cluster (tests)
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+from tqdm import tqdm
+
+from studies.parts import sources_hash
+from studies.sweep.chunks import Box, Folder, as_dataset, boxes, count_boxes
+from studies.sweep.declared import Sweep
+from studies.sweep.evaluation import evaluate
+from studies.sweep.gathering import attributes_of, gather
+
+CHUNK_POINTS = 64
+"""Points of a chunk unless the caller says otherwise: seconds of work, so that little is lost."""
+
+AHEAD = 2
+"""Chunks under way for each worker."""
+
+Task = tuple[int, Box]
+Results = Iterator[tuple[Task, Mapping[str, Any]]]
+
+
+def _on_cores(declared: Mapping[str, Any], tasks: Iterator[Task], workers: int) -> Results:
+    """Results in the order in which they are done; compiled code runs side by side in threads."""
+    pool = ThreadPoolExecutor(workers)
+    try:
+        under_way: dict[Any, Task] = {}
+        for task in tasks:
+            under_way[pool.submit(evaluate, declared, task[1])] = task
+            if len(under_way) >= AHEAD * workers:
+                done, _ = wait(under_way, return_when=FIRST_COMPLETED)
+                for future in done:
+                    yield under_way.pop(future), future.result()
+        while under_way:
+            done, _ = wait(under_way, return_when=FIRST_COMPLETED)
+            for future in done:
+                yield under_way.pop(future), future.result()
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _on_cluster(declared: Mapping[str, Any], tasks: Iterator[Task], address: str) -> Results:
+    """The same on a dask cluster.
+
+    Raises:
+        ValueError: dask.distributed is not installed, or there is no scheduler.
+    """
+    try:
+        from distributed import Client, as_completed
+    except ImportError:
+        raise ValueError("scheduler: want dask.distributed, pip install 'rocking-blocks[cluster]'") from None
+    try:
+        client = Client(address, timeout="10s")
+    except (OSError, ValueError) as error:
+        raise ValueError(f"scheduler={address!r}: want the address of a dask scheduler ({error})") from None
+    with client:
+        ahead = AHEAD * max(1, sum(client.nthreads().values()))
+        under_way: dict[Any, Task] = {}
+        queue = as_completed()
+
+        def submit(task: Task) -> None:
+            future = client.submit(evaluate, declared, task[1], pure=False, retries=3)
+            under_way[future.key] = task
+            queue.add(future)
+
+        for task in islice(tasks, ahead):
+            submit(task)
+        for future in queue:
+            yield under_way.pop(future.key), future.result()
+            following = next(tasks, None)
+            if following is not None:
+                submit(following)
+
+
+def run(
+    sweep: Sweep,
+    out: str | Path,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    chunk_points: int = CHUNK_POINTS,
+    command: str = "studies.sweep.run",
+    progress: bool = True,
+    watch: Callable[[int], None] | None = None,
+) -> xr.Dataset:
+    """Carry out a sweep, or go on with it, and write its dataset; it is opened, not loaded.
+
+    Args:
+        sweep: what is computed.
+        out: the NetCDF file; chunks are kept in a folder beside it until it is whole.
+        workers: chunks side by side on this machine; as many as there are cores if not given.
+        scheduler: address of a dask scheduler, on whose workers this package is installed; this machine if not given.
+        chunk_points: points of a chunk.
+        command: for the attributes.
+        progress: whether to show a bar.
+        watch: called with the number of each chunk that has been written.
+
+    Raises:
+        ValueError: an argument is not one that it can be, or another sweep has begun there.
+    """
+    if workers is not None and workers < 1:
+        raise ValueError(f"workers={workers}: want 1 or more")
+    if chunk_points < 1:
+        raise ValueError(f"chunk_points={chunk_points}: want 1 or more")
+    target = Path(out)
+    identity = {"declaration": json.loads(sweep.as_json()), "sources": sources_hash(), "chunk size": chunk_points}
+    attributes = attributes_of(sweep, identity, command)
+    if target.exists() and _same(target, attributes):
+        return xr.open_dataset(target)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    folder = Folder(target.with_name(f"{target.name}.parts"))
+    folder.begin(identity)
+    declared = json.loads(sweep.as_json())
+    missing = ((i, box) for i, box in enumerate(boxes(sweep.shape, chunk_points)) if not folder.done(i))
+    total = count_boxes(sweep.shape, chunk_points)
+    there = sum(folder.done(i) for i in range(total))
+    results = (
+        _on_cores(declared, missing, workers or os.cpu_count() or 1)
+        if scheduler is None
+        else _on_cluster(declared, missing, scheduler)
+    )
+    with tqdm(total=total, initial=there, unit="chunk", disable=None if progress else True) as bar:
+        for (number, box), result in results:
+            folder.keep(number, as_dataset(sweep, box, result))
+            bar.update()
+            if watch is not None:
+                watch(number)
+    gather(sweep, folder, chunk_points, target, attributes)
+    folder.sweep_away()
+    return xr.open_dataset(target)
+
+
+def _same(target: Path, attributes: Mapping[str, str]) -> bool:
+    """Whether the file is the dataset of this sweep by these sources."""
+    try:
+        with xr.open_dataset(target) as ds:
+            return all(ds.attrs.get(key) == attributes[key] for key in ("declared", "sources"))
+    except (OSError, ValueError):
+        return False

@@ -1,0 +1,241 @@
+"""Sweeps carried out: numbers, chunks, interruption by kill -9, a cluster whose worker is killed."""
+
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from rocking import Block, Method1, solve
+from rocking.closed_forms import half_sine_pulse
+from studies.overturning import Settings, overturning
+from studies.sweep import Sweep, run
+from studies.sweep.chunks import boxes, count_boxes
+from studies.sweep.evaluation import FELL, STANDS
+
+RAMP = {"ramp": {"kind": "ramped_sinusoid", "duration": 10.0, "final_amplitude": 20.0}}
+DECLARED = """
+[axes]
+method = ["dem"]
+slenderness = [0.2, 0.3]
+frequency = [1.0, 1.5, 2.0, 2.5]
+
+[excitations.ramp]
+kind = "ramped_sinusoid"
+duration = 40.0
+final_amplitude = 20.0
+"""
+
+
+@pytest.mark.parametrize(
+    ("shape", "points"), [((3, 4, 5), 7), ((3, 4, 5), 1), ((3, 4, 5), 1000), ((7,), 3), ((2, 1, 9), 4)]
+)
+def test_boxes_cover_every_point_once(shape, points):
+    seen = np.zeros(shape, int)
+    covered = list(boxes(shape, points))
+    for box in covered:
+        assert math.prod(b - a for a, b in box) <= points
+        seen[tuple(slice(*pair) for pair in box)] += 1
+    assert (seen == 1).all()
+    assert len(covered) == count_boxes(shape, points)
+
+
+def test_points_are_what_single_runs_give(tmp_path):
+    sweep = Sweep(
+        axes={"method": ["method1", "method2"], "frequency": [1.0, 2.0], "slenderness": [0.2, 0.3]}, excitations=RAMP
+    )
+    with run(sweep, tmp_path / "s.nc", progress=False, chunk_points=3) as ds:
+        assert ds.overturning_amplitude.dims == ("method", "frequency", "slenderness")
+        for method in ("method1", "method2"):
+            for frequency in (1.0, 2.0):
+                single = overturning(
+                    method, Block(0.15, 0.5, 0.25, density=597.0), frequency, Settings(ramp=20.0, duration=10.0)
+                )
+                at = ds.sel({"method": method}).sel(frequency=frequency, slenderness=0.3)
+                assert float(at.overturning_amplitude) == pytest.approx(single.amplitude, rel=1e-9, nan_ok=True)
+
+
+def test_a_pulse_fells_at_the_closed_form(tmp_path):
+    # Linear Method 1 under half a sine, theta'' from rest at g alpha in the formula, at (b/h) g here: slender blocks,
+    # for which the two differ by less than 0.1 %.
+    sweep = Sweep(
+        axes={"frequency": [0.5, 1.0]},
+        fixed={"slenderness": 0.05, "excitation": "pulse"},
+        excitations={"pulse": {"kind": "HalfSinePulse", "highest": 20.0, "steps": 60}},
+    )
+    with run(sweep, tmp_path / "s.nc", progress=False) as ds:
+        block = Block(0.025, 0.5)
+        for frequency in (0.5, 1.0):
+            # The period of a half-sine pulse here is that of the whole sine.
+            expected = half_sine_pulse(2.0 * math.pi * frequency / block.p()) * 9.80665 * block.alpha
+            found = float(ds.overturning_amplitude.sel(frequency=frequency))
+            assert found == pytest.approx(expected, rel=2e-3)
+
+
+def test_least_amplitude_of_a_pulse_is_between_standing_and_falling(tmp_path):
+    from excitation import OneSinePulse
+
+    sweep = Sweep(
+        axes={"frequency": [1.0]}, fixed={"excitation": "pulse"},
+        excitations={"pulse": {"kind": "OneSinePulse", "highest": 30.0}},
+    )  # fmt: skip
+    with run(sweep, tmp_path / "s.nc", progress=False) as ds:
+        found = ds.overturning_amplitude.item()
+    for factor, falls in ((1.0 - 1e-5, False), (1.0 + 1e-5, True)):
+        motion = OneSinePulse(amplitude=factor * found, period=1.0)
+        assert solve(Method1(Block(0.15, 0.5), form="linear"), motion, t_end=11.0).overturned is falls
+
+
+def test_what_does_not_fall_and_what_is_declined_is_flagged(tmp_path):
+    weak = {"ramp": {"kind": "ramped_sinusoid", "duration": 5.0, "final_amplitude": 2.0}}
+    sweep = Sweep(axes={"method": ["method1", "dem"], "restitution": [0.5, 1.0]}, excitations=weak)
+    with run(sweep, tmp_path / "s.nc", progress=False) as ds:
+        assert ds.outcome.sel({"method": "method1"}).values.tolist() == [STANDS, STANDS]
+        assert ds.outcome.sel({"method": "dem"}).values.tolist() == [2, STANDS]
+        assert "dem: restitution=" in json.loads(ds.attrs["declined"])[0]
+        assert np.isnan(ds.overturning_amplitude).all()
+
+
+def _command(toml: Path, out: Path) -> list[str]:
+    return [sys.executable, "-m", "studies.sweep", str(toml), "--out", str(out), "--chunk", "1", "--workers", "2"]
+
+
+def _same(one: Path, other: Path) -> None:
+    with xr.open_dataset(one) as a, xr.open_dataset(other) as b:
+        a, b = a.load(), b.load()
+    for ds in (a, b):
+        for name in ("command", "commit"):  # not of the result
+            ds.attrs.pop(name)
+    xr.testing.assert_identical(a, b)
+
+
+def test_after_kill_9_all_opens_and_the_same_command_goes_on_to_the_same_result(tmp_path):
+    toml = tmp_path / "s.toml"
+    toml.write_text(DECLARED)
+    out, parts = tmp_path / "killed.nc", tmp_path / "killed.nc.parts"
+    for chunks in (1, 4):
+        child = subprocess.Popen(_command(toml, out), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        end = time.monotonic() + 120.0
+        while len(list(parts.glob("chunk-*.nc"))) < chunks and child.poll() is None and time.monotonic() < end:
+            time.sleep(0.002)
+        os.kill(child.pid, signal.SIGKILL)
+        assert child.wait() == -signal.SIGKILL
+        assert not out.exists()
+        for file in parts.glob("chunk-*.nc"):
+            with xr.open_dataset(file) as ds:
+                assert ds.outcome.dims == ("method", "slenderness", "frequency")
+                assert ds.load().outcome.size == 1
+    assert len(list(parts.glob("chunk-*.nc"))) >= 4
+    done = subprocess.run(_command(toml, out), capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert not parts.exists()
+    assert subprocess.run(_command(toml, tmp_path / "whole.nc"), capture_output=True).returncode == 0
+    _same(out, tmp_path / "whole.nc")
+    with xr.open_dataset(out) as ds:
+        assert (ds.outcome == FELL).all()
+
+
+def test_a_chunk_that_is_there_is_not_computed_again(tmp_path):
+    sweep = Sweep(axes={"frequency": [1.0, 1.5, 2.0, 2.5]}, excitations=RAMP)
+    done: list[int] = []
+
+    def stop_after_two(number: int) -> None:
+        done.append(number)
+        if len(done) == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run(sweep, tmp_path / "s.nc", chunk_points=1, workers=1, progress=False, watch=stop_after_two)
+    with run(sweep, tmp_path / "s.nc", chunk_points=1, workers=1, progress=False, watch=done.append):
+        pass
+    assert sorted(done) == [0, 1, 2, 3]
+
+
+def test_another_sweep_in_the_same_place_is_refused(tmp_path):
+    def stop(number: int) -> None:
+        raise KeyboardInterrupt
+
+    first = Sweep(axes={"frequency": [1.0, 1.5]}, excitations=RAMP)
+    with pytest.raises(KeyboardInterrupt):
+        run(first, tmp_path / "s.nc", chunk_points=1, workers=1, progress=False, watch=stop)
+    with pytest.raises(ValueError, match="holds a sweep of another declaration; want the same, or remove it"):
+        run(Sweep(axes={"frequency": [1.0, 2.5]}, excitations=RAMP), tmp_path / "s.nc", progress=False, chunk_points=1)
+    with pytest.raises(ValueError, match="holds a sweep of another chunk size"):
+        run(first, tmp_path / "s.nc", progress=False, chunk_points=2)
+
+
+def test_a_damaged_chunk_is_named_removed_and_computed_again(tmp_path):
+    sweep = Sweep(axes={"frequency": [1.0, 1.5, 2.0]}, excitations=RAMP)
+    parts = tmp_path / "s.nc.parts"
+
+    def damage(number: int) -> None:
+        if number == 0:
+            (parts / "chunk-000000000.nc").write_bytes(b"not a dataset")
+
+    with pytest.raises(RuntimeError, match="was damaged and is removed"):
+        run(sweep, tmp_path / "s.nc", chunk_points=1, workers=1, progress=False, watch=damage)
+    with run(sweep, tmp_path / "s.nc", chunk_points=1, workers=1, progress=False) as ds:
+        assert ds.sizes["frequency"] == 3
+
+
+def test_workers_and_chunks_change_nothing_in_the_numbers(tmp_path):
+    sweep = Sweep(axes={"method": ["method1", "method2"], "frequency": [1.0, 2.0, 3.0]}, excitations=RAMP)
+    with run(sweep, tmp_path / "a.nc", workers=1, chunk_points=100, progress=False) as a:
+        a.load()
+    with run(sweep, tmp_path / "b.nc", workers=2, chunk_points=1, progress=False) as b:
+        b.load()
+    xr.testing.assert_equal(a, b)
+
+
+CLUSTER = """
+import os, signal, sys
+from distributed import LocalCluster
+from studies.sweep import read, run
+
+def main():
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        killed = []
+        def watch(number):
+            if not killed:
+                killed.append(next(iter(cluster.workers.values())).pid)
+                os.kill(killed[0], signal.SIGKILL)
+        with run(read(sys.argv[1]), sys.argv[2], scheduler=cluster.scheduler_address, chunk_points=1, progress=False,
+                 watch=watch) as ds:
+            print("killed", len(killed), "of", len(cluster.workers), "points", ds.outcome.size)
+
+if __name__ == "__main__":
+    main()
+"""
+
+
+def test_a_worker_of_a_cluster_killed_on_the_way_changes_nothing(tmp_path):
+    pytest.importorskip("distributed")
+    toml, script = tmp_path / "s.toml", tmp_path / "cluster.py"
+    toml.write_text(DECLARED)
+    script.write_text(CLUSTER)
+    done = subprocess.run(
+        [sys.executable, str(script), str(toml), str(tmp_path / "cluster.nc")],
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert "killed 1" in done.stdout, done.stderr
+    assert subprocess.run(_command(toml, tmp_path / "whole.nc"), capture_output=True).returncode == 0
+    _same(tmp_path / "cluster.nc", tmp_path / "whole.nc")
+
+
+def test_no_scheduler_is_one_sentence(tmp_path):
+    pytest.importorskip("distributed")
+    toml = tmp_path / "s.toml"
+    toml.write_text(DECLARED)
+    command = [*_command(toml, tmp_path / "s.nc"), "--scheduler", "tcp://127.0.0.1:1"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 2
+    assert done.stderr.splitlines()[-1].startswith("error: scheduler='tcp://127.0.0.1:1': want the address of a dask")
