@@ -22,7 +22,7 @@ from dem.shapes import FloatArray, Polygon, convex
 TOUCHING = 1e-9  # bodies may overlap by this share of their size at the start, for rounding of coordinates
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Body:
     """One movable prism; build it with `body` from its corners where they are.
 
@@ -40,6 +40,10 @@ class Body:
     omega: float = 0.0
     material: str = "block"
     name: str = ""
+
+    def __repr__(self) -> str:
+        name = f" {self.name!r}" if self.name else ""
+        return f"<Body{name}: {self.shape.outline} at ({self.x:.4g}, {self.z:.4g}) m, mass {self.mass:.4g} kg>"
 
     @property
     def mass(self) -> float:
@@ -61,7 +65,7 @@ class Body:
         return replace(self, vx=vx, vz=vz, omega=omega)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Wall:
     """A convex polygon fixed to the table; build it with `wall`."""
 
@@ -70,6 +74,10 @@ class Wall:
     z: float
     material: str = "table"
     name: str = ""
+
+    def __repr__(self) -> str:
+        name = f" {self.name!r}" if self.name else ""
+        return f"<Wall{name}: {self.shape.outline} at ({self.x:.4g}, {self.z:.4g}) m>"
 
     @property
     def vertices(self) -> FloatArray:
@@ -135,7 +143,7 @@ def bodies_of(
     return tuple(made)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Assembly:
     """A scene: bodies, walls, and whether there is a floor (z = 0, without ends).
 
@@ -151,6 +159,16 @@ class Assembly:
     standing: bool = True
     floor_material: str = "table"
     title: str = field(default="assembly", compare=False)
+
+    def __repr__(self) -> str:
+        floor = "a floor" if self.floor else "no floor"
+        return f"<Assembly {self.title!r}: {len(self.bodies)} bodies, {len(self.walls)} walls, {floor}>"
+
+    def _repr_html_(self) -> str:
+        """The scene drawn, for notebooks."""
+        from dem.picture import html_of
+
+        return html_of(self)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "bodies", tuple(self.bodies))

@@ -48,7 +48,7 @@ class Outcome(enum.Enum):
     UNSTABLE = "the run was stopped: the motion is not finite or faster than any force here could make it"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Energies:
     """Energies at the sample times [J], each of shape (time,).
 
@@ -69,6 +69,14 @@ class Energies:
     friction: FloatArray
     onset: FloatArray
     base_work: FloatArray
+
+    def __repr__(self) -> str:
+        if not self.kinetic.size:
+            return "<Energies: no samples>"
+        return (
+            f"<Energies: {self.kinetic.size} samples, kinetic up to {self.kinetic.max():.4g} J, lost "
+            f"{self.dashpot[-1] + self.friction[-1]:.4g} J, balance within {np.ptp(self.balance):.2g} J>"
+        )
 
     @property
     def balance(self) -> FloatArray:

@@ -14,13 +14,16 @@ from dem import checks
 from dem.shapes import Polygon, polygon, rectangle
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Scene:
     """One prismatic rigid body: its outline, depth [m] and density [kg/m^3]."""
 
     shape: Polygon
     depth: float
     density: float
+
+    def __repr__(self) -> str:
+        return f"<Scene: {self.shape.outline}, mass {self.mass:.4g} kg>"
 
     @property
     def mass(self) -> float:

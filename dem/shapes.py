@@ -19,7 +19,7 @@ FloatArray = npt.NDArray[np.float64]
 FLAT = 1e-9  # corners this close in height, as a share of the size, count as one flat base
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Polygon:
     """A convex polygon; build it with `polygon`, `rectangle` (these stand on a flat side) or `convex`.
 
@@ -34,6 +34,15 @@ class Polygon:
     second_moment: float
     radius: float
     theta_c: tuple[float, float]
+
+    def __repr__(self) -> str:
+        return f"<Polygon: {self.outline}, area {self.area:.4g} m^2>"
+
+    @property
+    def outline(self) -> str:
+        """Number of corners and size of the box around them, in words."""
+        b, h = np.ptp(self.corners, axis=0)
+        return f"{len(self.corners)} corners, {b:.4g} x {h:.4g} m"
 
 
 def rectangle(b: float, h: float) -> Polygon:

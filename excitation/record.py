@@ -72,6 +72,12 @@ class Record:
         facts.append(f"PGA {float(np.max(np.abs(self.acceleration))):.4g} m/s^2")
         return f"Record({', '.join(facts)})"
 
+    def _repr_html_(self) -> str:
+        """The acceleration drawn, for notebooks."""
+        from excitation.picture import html_of
+
+        return html_of(self.times, self.acceleration, f"acceleration; {self!r}")
+
     @property
     def times(self) -> NDArray[np.float64]:
         """Times of the samples [s] from the first one on, shape (time,)."""

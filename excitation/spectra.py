@@ -39,6 +39,12 @@ class ResponseSpectrum(NamedTuple):
     pseudo_velocity: NDArray[np.float64]  # PSV [m/s]
     pseudo_acceleration: NDArray[np.float64]  # PSA [m/s^2]
 
+    def __repr__(self) -> str:
+        return (
+            f"ResponseSpectrum({self.periods.size} periods, {self.periods.min():.4g} to {self.periods.max():.4g} s, "
+            f"damping {self.damping:g}, largest PSA {self.pseudo_acceleration.max():.4g} m/s^2)"
+        )
+
 
 @lru_cache(maxsize=4096)
 def _coefficients(omega: float, damping: float, step: float) -> tuple[tuple[float, ...], tuple[float, ...], float]:

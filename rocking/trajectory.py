@@ -106,6 +106,14 @@ class Trajectory:
             f"{len(self.impact_times)} impacts, {self.outcome.value}{note}>"
         )
 
+    def _repr_html_(self) -> str:
+        """The rotation drawn, for notebooks."""
+        from rocking.picture import html_of
+
+        if not self.t.size:
+            return ""
+        return html_of(self.t, self.theta, f"rotation, up to {self.peak_rotation:.4g} rad; {repr(self)[1:-1]}")
+
     def _state(self, name: str) -> NDArray[np.float64]:
         return np.asarray(self.y[:, self.system.state_names.index(name)])
 
