@@ -101,6 +101,7 @@ def provenance(title: str, command: str) -> dict[str, str]:
         "source": f"rocking-blocks {release}",
         "commit": _commit(),
         "command": command,
+        "history": command,
     }
 
 
@@ -116,7 +117,11 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
 
 def save_dataset(ds: xr.Dataset, path: Path) -> None:
     """Write a dataset as NetCDF-4."""
-    packed = {str(name): {"zlib": True} for name, v in ds.data_vars.items() if v.dtype.kind in "fi" and v.ndim}
+    packed: dict[str, dict[str, Any]] = {
+        str(name): {"zlib": True} for name, v in ds.data_vars.items() if v.dtype.kind in "fi" and v.ndim
+    }
+    # CF: coordinates have no missing values.
+    packed |= {str(name): {"_FillValue": None} for name, v in ds.coords.items() if v.dtype.kind == "f"}
     write_whole(path, lambda target: ds.to_netcdf(target, engine="netcdf4", encoding=packed))
 
 

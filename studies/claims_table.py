@@ -14,11 +14,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
 import xarray as xr
 
 HOLDS, DOES_NOT, UNDECIDED = 1, 0, -1
 VERDICTS = {HOLDS: "holds", DOES_NOT: "does not hold", UNDECIDED: "not decided"}
-FLAGS = {"flag_values": [HOLDS, DOES_NOT, UNDECIDED], "flag_meanings": "holds does_not_hold not_decided"}
+FLAGS = {
+    "flag_values": np.array([HOLDS, DOES_NOT, UNDECIDED], dtype=np.int8),
+    "flag_meanings": "holds does_not_hold not_decided",
+}
 
 Relation = Literal["<=", "<", ">=", ">", ""]
 
@@ -97,7 +101,7 @@ def table(findings: Iterable[Finding]) -> xr.Dataset:
             "statement_depends": text("what the number hangs on", [row.claim.depends for row in rows]),
             "statement_holds": (
                 "statement",
-                [row.verdict for row in rows],
+                np.array([row.verdict for row in rows], dtype=np.int8),
                 {"long_name": "does the statement hold", **FLAGS},
             ),
         },

@@ -43,7 +43,7 @@ VARIATIONS: Mapping[str, Mapping[str, Any]] = {
 }
 """Changes one at a time; dashpot and stiffness as factors."""
 
-QUICK_DURATION = 30.0
+QUICK_DURATION = 15.0
 
 LABELS = {
     "overturning_amplitude": ("m s-2", "envelope of the base acceleration at overturning"),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
 
@@ -23,6 +23,9 @@ from studies.labelled import FREQUENCIES, PAPER, QUICK_FREQUENCIES, block_axis, 
 from studies.overturning import METHOD_LABELS, METHODS
 from studies.parts import Parts
 from studies.rocking_onset import OFF_THE_FLOOR, OnsetJob, OnsetSettings, onset
+
+QUICK_DURATION = 20.0
+"""Of the ramp [s] with --quick."""
 
 LABELS = {
     "lift_acceleration": ("m s-2", "magnitude of the base acceleration at lift-off"),
@@ -62,7 +65,9 @@ def plan_of(blocks: Sequence[int], options: argparse.Namespace) -> OnsetPlan:
     if options.friction >= 4.0 / 3.0:
         raise _run.BadInputError(f"--friction {options.friction:g}: want below 4/3 with Method 2 (a corner may jam)")
     settings = OnsetSettings(ramp=options.ramp * G, friction=options.friction)
-    return OnsetPlan(tuple(blocks), METHODS, QUICK_FREQUENCIES if options.quick else FREQUENCIES, settings)
+    if options.quick:
+        return OnsetPlan(tuple(blocks), METHODS, QUICK_FREQUENCIES, replace(settings, duration=QUICK_DURATION))
+    return OnsetPlan(tuple(blocks), METHODS, FREQUENCIES, settings)
 
 
 def dataset(plan: OnsetPlan, parts: Parts, label: str) -> xr.Dataset:

@@ -23,6 +23,7 @@ from matplotlib.figure import Figure
 
 from studies import _run
 from studies.claims_table import VERDICTS
+from studies.labelled import PAPER
 from studies.parts import Parts, hashed, studies_hash
 
 
@@ -91,9 +92,10 @@ def _computed(study: Study, plan: Any, inputs: str, path: Path, workers: int | N
     parts = Parts(path.with_name(".runs"), workers)
     ds = study.dataset(plan, parts)
     ds.attrs = _run.provenance(study.title, command) | ds.attrs
-    ds.attrs = {"settings": settings_of(plan)} | ds.attrs | {"study": study.name, "inputs": inputs}
-    if "statement" not in ds.dims:
-        ds = ds.merge(study.check(ds), combine_attrs="no_conflicts")
+    ds.attrs = {"settings": settings_of(plan), "references": PAPER} | ds.attrs | {"study": study.name, "inputs": inputs}
+    statements = study.check(ds)
+    if statements.sizes["statement"]:
+        ds = ds.merge(statements, combine_attrs="no_conflicts")
     _run.save_dataset(ds, path)
     parts.clear_outdated()
     return ds
