@@ -15,7 +15,8 @@ rocking-blocks {version}
   python -m studies.will_it_fall 0.30 1.80 --pga 0.3g    will a block of 0.30 x 1.80 m rock, will it fall?
   python -m studies.will_it_fall 0.30 1.80 --record FILE the same for a record, with the margin
   python -m excitation FILE                              what a record file holds
-  python -m studies.fig16                                Fig. 16 of Winkler, Meguro & Yamazaki (1995)
+  python -m studies                                      the figures of Winkler, Meguro & Yamazaki (1995), a list
+  python -m studies.sweep FILE.toml --out FILE.nc        criteria over any axes, on cores or on a cluster
   python -m studies.campaigns FOLDER                     what a measured campaign holds
   python -m studies.loop FOLDER --out DIR                what the ideal block lacks in it (under construction)
 

@@ -18,12 +18,13 @@ def _commands() -> list[tuple[str, str]]:
         runs = any(isinstance(n, ast.If) and "__name__" in ast.unparse(n.test) for n in tree.body)
         doc = ast.get_docstring(tree)
         if runs and doc and not path.name.startswith("_run"):
-            name = path.parent.name if path.name == "__main__.py" else path.stem
+            module = path.parent if path.name == "__main__.py" else path.with_suffix("")
+            name = ".".join(module.relative_to(STUDIES.parent).parts)
             found.append((name, " ".join(doc.split("\n\n")[0].split())))
     return found
 
 
 def figures_text() -> str:
     """A table of commands."""
-    rows = [f"| `python -m studies.{name}` | {literal(text)} |" for name, text in _commands()]
+    rows = [f"| `python -m {name}` | {literal(text)} |" for name, text in _commands()]
     return "\n".join(["| command | makes |", "|---|---|", *rows])

@@ -138,6 +138,16 @@ def _is_ours(obj: Any, name: str) -> bool:
     return name.split(".")[0] in (*PUBLIC, "studies")
 
 
+ARRAY = re.compile(r"(?:numpy\.)?ndarray\[tuple\[(?:typing\.)?Any, \.\.\.\], (?:numpy\.)?dtype\[(?:numpy\.)?(\w+)\]\]")
+
+
+def shorter(
+    app: Sphinx, what: str, name: str, obj: Any, options: Any, arguments: str | None, returns: str | None
+) -> tuple[str | None, str | None]:
+    """Signatures with `NDArray[float64]` in place of what that is short for."""
+    return tuple(text and ARRAY.sub(r"NDArray[\1]", text) for text in (arguments, returns))  # type: ignore[return-value]
+
+
 def public_names() -> dict[str, str]:
     """Where each public object is defined -> where it is public."""
     names: dict[str, str] = {}
@@ -175,5 +185,6 @@ def setup(app: Sphinx) -> dict[str, Any]:
     _PUBLIC_NAMES.update(public_names())
     app.connect("autodoc-process-docstring", process, priority=100)
     app.connect("autodoc-process-docstring", restore, priority=900)
+    app.connect("autodoc-process-signature", shorter)
     app.connect("missing-reference", resolve)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -25,6 +25,11 @@ def _table(columns: list[str], rows: list[list[str]]) -> str:
     return "\n".join(lines + [f"| {' | '.join(cell or ' ' for cell in row)} |" for row in rows])
 
 
+def _boxed(table: str) -> str:
+    """A table with the style of checks."""
+    return f"::::{{container}} checks\n{table}\n::::"
+
+
 def day_of(path: Path) -> str:
     """The day on which a file was last committed; "not known here" outside of a checkout."""
     command = ["git", "-C", str(path.parent), "log", "-1", "--format=%as", "--", path.name]
@@ -64,7 +69,7 @@ def _check_rows(rows: list[dict[str, str]]) -> str:
         found, wanted = _numbers(row)
         found, wanted = (t if t.startswith("`") else literal(t) for t in (found, wanted))
         cells.append([literal(row["claim"]), row["cases"], found.replace("|", "\\|"), wanted, literal(row["beside"])])
-    return _table(["claim", "cases", "found", "wanted", "held against"], cells)
+    return _boxed(_table(["claim", "cases", "found", "wanted", "held against"], cells))
 
 
 def checks_text(prefix: str) -> str:
@@ -93,5 +98,5 @@ def anchors_text() -> str:
     for anchor in rows_of(ANCHORS):
         row = by_test.get((anchor["file"], anchor["test"]))
         found, wanted = _numbers(row) if row else ("*not collected yet*", "")
-        cells.append([literal(anchor["what"]), found, wanted, literal(anchor["source"]), f"`{anchor['test']}`"])
-    return _table(["what is checked", "found", "wanted", "source", "test"], cells)
+        cells.append([literal(anchor["what"]), found, wanted, literal(f"{anchor['source']} ({anchor['file']})")])
+    return _boxed(_table(["what is checked", "found", "wanted", "source (and where)"], cells))
