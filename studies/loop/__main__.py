@@ -18,6 +18,9 @@ from studies.loop.closing import GRAVITY, close
 from studies.loop.dataset import dataset, save
 from studies.loop.finding_file import as_json, write_finding
 from studies.loop.model_file import ModelError, read_model, write_model
+from studies.loop.next_test import next_test
+from studies.loop.outcomes_command import close_outcomes
+from studies.loop.outcomes_prediction import read_noise, write_outcome_predictions
 from studies.loop.prediction import write_predictions
 from studies.loop.report import write_report
 
@@ -40,10 +43,13 @@ def _close(arguments: argparse.Namespace) -> None:
     folder: Path = arguments.out
     folder.mkdir(parents=True, exist_ok=True)
     tell = _Progress(arguments.quiet)
+    if campaign.holds_outcomes_alone:
+        print(close_outcomes(campaign, folder, arguments.gravity, tell))
+        return
     finding = close(campaign, g=arguments.gravity, tell=tell)
     write_model(finding.before, folder / "baseline.toml", campaign.title)
     write_model(replace(finding.after, number=len(campaign.tests)), folder / "model.toml", campaign.title)
-    content = as_json(finding, "")
+    content = as_json(finding, next_test(finding))
     write_finding(content, folder / "loop.json")
     tell("writing loop.nc and report.html")
     tree = dataset(finding)
@@ -56,7 +62,11 @@ def _close(arguments: argparse.Namespace) -> None:
 def _predict(arguments: argparse.Namespace) -> None:
     model = read_model(arguments.model)
     campaign = read(arguments.campaign)
-    summary = write_predictions(model, campaign, arguments.out, _Progress(arguments.quiet))
+    noise, tell = read_noise(arguments.model), _Progress(arguments.quiet)
+    if noise is None:
+        summary = write_predictions(model, campaign, arguments.out, tell)
+    else:
+        summary = write_outcome_predictions(model, noise, campaign, arguments.out, tell)
     fell = sum(row["overturned"] for row in summary.values())
     print(f"{len(summary)} tests predicted, {fell} overturn; written to {arguments.out}")
 
