@@ -115,6 +115,15 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
         temporary.unlink(missing_ok=True)
 
 
+def save_text(text: str, path: Path) -> None:
+    """Write a text."""
+
+    def write(target: Path) -> None:
+        target.write_text(text, encoding="utf-8")
+
+    write_whole(path, write)
+
+
 def save_dataset(ds: xr.Dataset, path: Path) -> None:
     """Write a dataset as NetCDF-4."""
     packed: dict[str, dict[str, Any]] = {

@@ -124,7 +124,7 @@ def main(argv: list[str]) -> None:
     text = as_text(ds)
     print(text, end="")
     _run.save_dataset(ds, folder / "claims.nc")
-    _run.write_whole(folder / "claims.txt", lambda path: path.write_text(text, encoding="utf-8"))
+    _run.save_text(text, folder / "claims.txt")
     _run.write_whole(folder / "claims.csv", lambda path: _write_csv(ds, path))
     held = int((ds.statement_holds == HOLDS).sum())
     print(f"{held} of {ds.sizes['statement']} hold; wrote {folder / 'claims.nc'}, claims.txt and claims.csv")

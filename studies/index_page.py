@@ -147,5 +147,5 @@ def write_index(folder: Path, studies: Mapping[str, Study]) -> Path:
     entries = [entry for study in studies.values() if (entry := _entry(folder, study)) is not None]
     page = Environment(autoescape=True, trim_blocks=True).from_string(PAGE).render(entries=entries)
     path = folder / "index.html"
-    _run.write_whole(path, lambda target: target.write_text(page, encoding="utf-8"))
+    _run.save_text(page, path)
     return path
