@@ -203,6 +203,44 @@ _ALL = (
         "largest difference of the tilt over the first four swings, over the tilt at release", "<=", 0.1,
         depends="dashpot, stiffness",
     ),
+    # Beyond the paper: what it asks for, and checks of what is computed.
+    Claim(
+        "wall_gap.far", "A wall out of reach changes nothing", "asked for in Block assemblies",
+        "largest |wall / free - 1| with the widest gap where the free column falls before its blocks part", "<=", 0.01,
+        depends="none",
+    ),
+    Claim(
+        "wall_gap.frequency", "Whether a wall helps or hurts depends on the frequency", "asked for in Block assemblies",
+        "largest over smallest of wall / free over the frequencies, no gap", ">=", 1.25, depends=COLUMN_PARAMETERS,
+    ),
+    Claim(
+        "wall_gap.gap", "The width of the gap matters", "asked for in Block assemblies",
+        "largest over smallest of wall / free over the gaps at one frequency", ">=", 1.25, depends=COLUMN_PARAMETERS,
+    ),
+    Claim(
+        "tombstones.ishiyama", "Blocks that fall have been above both limits of Ishiyama (1982)",
+        "beyond the paper; its reference 8", "share of falls below one of the two", "<=", 0.05,
+        depends="frequency content of the motion, restitution",
+    ),
+    Claim(
+        "tombstones.velocity", "Peak velocity tells falls better than peak acceleration", "beyond the paper",
+        "scatter of the least felling velocity over its limit, over that of the acceleration (log, all blocks)", "<",
+        1.0, depends="frequency content of the motion",
+    ),
+    Claim(
+        "tombstones.larger", "Of two stones of one shape the larger is the safer", "beyond the paper",
+        "smallest ratio of median felling accelerations, next larger over smaller stone", ">=", 1.0,
+        depends="frequency content of the motion",
+    ),
+    Claim(
+        "earthquakes.column", "A column of two falls earlier than one block of its outline", "beyond the paper",
+        "share of the motions in which it does", ">", 0.5, depends="motions, friction",
+    ),
+    Claim(
+        "earthquakes.vertical", "Vertical motion changes little of who falls", "beyond the paper",
+        "largest share of the motions in which it changes the median felling acceleration class", "<=", 0.2,
+        depends="motions, size of the vertical motion",
+    ),
     Claim(
         "tombstones.misleads", "West's formula turned round misleads", "Introduction",
         "95th percentile of how far, as a factor, the estimate is from the true peak", ">=", 2.0,
