@@ -13,6 +13,7 @@ import re
 from typing import Any
 
 from docutils import nodes
+from sphinx import addnodes
 from sphinx.addnodes import pending_xref
 from sphinx.application import Sphinx
 
@@ -123,6 +124,14 @@ def process(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: li
         return
     if not _is_ours(obj, name):
         return
+    if lines and lines[0].startswith("Alias for field number"):
+        owner = importlib.import_module(name.split(".")[0])
+        for part in name.split(".")[1:-1]:
+            owner = getattr(owner, part)
+        lines[:] = [fields_of(owner).get(name.rsplit(".", 1)[1], "")]
+    has_list = hasattr(obj, "_fields") or any(line.startswith("Args:") for line in lines)
+    if what == "class" and not has_list:
+        lines += ["", *(f"{field}: {text}" for field, text in fields_of(obj).items()), ""]
     lines[:] = rewritten(lines)
     if what in ("property", "attribute", "data"):
         # There napoleon would take what stands before a colon for a type.
@@ -138,14 +147,42 @@ def _is_ours(obj: Any, name: str) -> bool:
     return name.split(".")[0] in (*PUBLIC, "studies")
 
 
-ARRAY = re.compile(r"(?:numpy\.)?ndarray\[tuple\[(?:typing\.)?Any, \.\.\.\], (?:numpy\.)?dtype\[(?:numpy\.)?(\w+)\]\]")
+ARRAY = re.compile(
+    r"~?(?:numpy\.)?ndarray\[tuple\[~?(?:typing\.)?Any, \.\.\.\], ~?(?:numpy\.)?dtype\[~?(?:numpy\.)?(\w+)\]\]"
+)
+
+
+ARRAY_LIKE = re.compile(r"[\w.~]*Buffer \| .*?_NestedSequence\[[\w.~]*complex \| bytes \| str\]")
+FIELD = re.compile(r"^    (\w+): [^#\n]*?  # (.+)$", re.MULTILINE)
+
+
+def fields_of(obj: Any) -> dict[str, str]:
+    """What comments say of the fields of a class, by name."""
+    try:
+        return {name: text.strip() for name, text in FIELD.findall(inspect.getsource(obj))}
+    except (OSError, TypeError):
+        return {}
 
 
 def shorter(
     app: Sphinx, what: str, name: str, obj: Any, options: Any, arguments: str | None, returns: str | None
 ) -> tuple[str | None, str | None]:
-    """Signatures with `NDArray[float64]` in place of what that is short for."""
-    return tuple(text and ARRAY.sub(r"NDArray[\1]", text) for text in (arguments, returns))  # type: ignore[return-value]
+    """Signatures with `NDArray[float64]` and `ArrayLike` in place of what these are short for."""
+    return arguments and named(arguments), returns and named(returns)
+
+
+def named(text: str) -> str:
+    """A type with the names of arrays put back."""
+    return ARRAY_LIKE.sub("ArrayLike", ARRAY.sub(r"NDArray[\1]", text))
+
+
+def shorten_properties(app: Sphinx, doctree: nodes.document) -> None:
+    """The same for the types of properties, which are no signatures."""
+    for node in doctree.findall(addnodes.desc_annotation):
+        text = node.astext()
+        if ARRAY.search(text):
+            node.clear()
+            node += nodes.Text(named(text))
 
 
 def public_names() -> dict[str, str]:
@@ -186,5 +223,6 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.connect("autodoc-process-docstring", process, priority=100)
     app.connect("autodoc-process-docstring", restore, priority=900)
     app.connect("autodoc-process-signature", shorter)
+    app.connect("doctree-read", shorten_properties)
     app.connect("missing-reference", resolve)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
