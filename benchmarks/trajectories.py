@@ -64,6 +64,9 @@ def operations_of_a_step(form: str, wave: bool) -> int:
     rules.fma_of, rules.most_of = (lambda a, b, c: Counter()._one()), (lambda a, b: Counter()._one())  # type: ignore
     Counter.operations, x = 0, Counter()
     try:
+        if form == "linear" and not wave:
+            rules.glide(x, x, (x, x), x, x, x, x)
+            return Counter.operations
         push = rules.push_on_sine(x, x, x, x, x) if wave else (x, x)
         c = rules.flight(x, x, push, x, x, None if form == "linear" else (x, x), x)
         rules.value(c, x), rules.slope(c, x)

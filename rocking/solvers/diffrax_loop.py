@@ -48,6 +48,7 @@ from rocking.solvers.diffrax_steps import (
     first_guard,
 )
 from rocking.solvers.recording import (
+    EDGE,
     FELL,
     INADMISSIBLE_STATE,
     MAX_STALLED,
@@ -79,8 +80,11 @@ def start(inputs: Inputs, y0: Any, q0: Discrete) -> Progress:
 def _physics(model: Model, inputs: Inputs, stretch: Any) -> tuple[Physics, Any]:
     """(functions on the stretch, its end [s])."""
     begin, stop = inputs.edges[stretch], inputs.edges[stretch + 1]
-    low = jnp.nextafter(lax.stop_gradient(begin), jnp.inf)
-    high = jnp.nextafter(lax.stop_gradient(stop), -jnp.inf)
+    first, last, longest = lax.stop_gradient((begin, stop, inputs.max_step))
+    # As of `recording.inner_limits`.
+    margin = jnp.minimum(jnp.where(jnp.isinf(longest), 0.0, EDGE * longest), 0.25 * (last - first))
+    low = jnp.maximum(jnp.nextafter(first, jnp.inf), first + margin)
+    high = jnp.minimum(jnp.nextafter(last, -jnp.inf), last - margin)
     return Physics(model, inputs.par, inputs.motion_par, low, high), stop
 
 

@@ -102,7 +102,10 @@ def _run(system: System, motion: BaseMotion, start: Array, save_at: Array, max_e
     room = FIRST_ROOM
     while True:
         if record is not None:
-            tally, last_mode, log = entry("single_record")(par, *record, start, save_at, max_events, room)
+            # A copy of the samples: the compiled code takes no array that is read-only.
+            tally, last_mode, log = entry("single_record")(
+                par, record[0], np.array(record[1]), start, save_at, max_events, room
+            )
         else:
             tally, last_mode, log = entry("single_sine")(par, wave, start, save_at, max_events, room)
         sums = named(tally)

@@ -47,8 +47,7 @@ def piecewise_linear(motion: Any) -> tuple[Array, Array] | None:
     record = getattr(motion, "piecewise_linear", None)
     if record is None:
         return None
-    # A copy of the values, as the compiled code takes no array that is read-only.
-    t_first, dt, values = float(record[0]), float(record[1]), np.array(record[2], dtype=np.float64)
+    t_first, dt, values = float(record[0]), float(record[1]), np.asarray(record[2], dtype=np.float64)
     if not (math.isfinite(t_first) and math.isfinite(dt) and dt > 0.0):
         raise ValueError(f"piecewise_linear: t_first={t_first!r} s, dt={dt!r} s: want finite and dt positive")
     if values.ndim != 1 or values.size == 0 or not np.all(np.isfinite(values)):
@@ -73,6 +72,6 @@ def refusal(system: System, motion: BaseMotion, forms: tuple[str, ...]) -> str |
     if ramped_sine(motion) is None and piecewise_linear(motion) is None:
         return (
             f"{type(motion).__name__} has no closed form that it knows: neither a ramped sine nor straight between "
-            "equally spaced samples (attributes ramped_sine, piecewise_linear)"
+            "equally spaced samples (attributes ramped_sine, piecewise_linear; a cubic spline is not)"
         )
     return None

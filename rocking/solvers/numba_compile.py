@@ -28,6 +28,12 @@ from rocking.solvers import numba_namespace
 # Hooks are pointers in a tuple, which numba calls experimental each time that it sees them.
 warnings.filterwarnings("ignore", "First-class function type", numba.core.errors.NumbaExperimentalFeatureWarning)
 
+borrowing: Any = numba.njit(error_model="numpy", _nrt=False)
+"""Compile a function that neither makes arrays nor keeps one: without counting references to those that it is given.
+
+Each count is an atomic operation on memory that all threads share; in the kernels of batches they took a sixth of the
+time of one thread."""
+
 _registered: dict[FunctionType, frozenset[str]] = {}
 
 

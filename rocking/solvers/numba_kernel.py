@@ -5,6 +5,8 @@ The system and the motion come in as function pointers, so the loop is compiled 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numba
 import numpy as np
 
@@ -21,11 +23,14 @@ from rocking.solvers.recording import (
     STALLED,
     STEP_TOO_SMALL,
     TOO_MANY_EVENTS,
+    inner_limits,
 )
 from rocking.trajectory import BALANCE
 
 FIRST_STEP = 1e-3  # [s]; the error control mends it at once
 SPARE = 4  # rows of the event table that one pass of the loop may fill
+
+limits: Any = numba.njit(error_model="numpy")(inner_limits)
 
 
 @numba.njit(error_model="numpy")
@@ -210,7 +215,7 @@ def integrate(
         count[0] += 1
     for stretch in range(edges.size - 1):
         stop = edges[stretch + 1]
-        low, high = np.nextafter(edges[stretch], np.inf), np.nextafter(stop, -np.inf)
+        low, high = limits(edges[stretch], stop, max_step)
         fresh = True
         while t < stop and status == REACHED_END:
             if count[1] + SPARE > table_t.size:

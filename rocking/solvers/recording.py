@@ -23,6 +23,18 @@ CHECKS_PER_STEP = 4
 """Guards are looked at this often within a step, so that one which dips below zero and back is seen."""
 
 
+EDGE = 2e-9
+"""Share of a motion's longest step by which it may already show, before an edge, what lies behind it: sampled motions
+forgive a time such a rounding where they begin and end."""
+
+
+def inner_limits(start: Any, stop: Any, max_step: Any) -> tuple[Any, Any]:
+    """Times [s] to which a solver keeps while it looks at the base between two edges: its limits from within."""
+    share = EDGE * max_step if max_step < np.inf else 0.0
+    margin = min(share, 0.25 * (stop - start))
+    return max(np.nextafter(start, np.inf), start + margin), min(np.nextafter(stop, -np.inf), stop - margin)
+
+
 def segment_edges(motion: BaseMotion, t_start: float, t_end: float) -> NDArray[np.float64]:
     """Times between which the motion is smooth, from t_start to t_end, shape (segment + 1,)."""
     inner = [t for t in motion.breakpoints if t_start < t < t_end]

@@ -29,6 +29,7 @@ from rocking.solvers.recording import (
     STALLED,
     STEP_TOO_SMALL,
     TOO_MANY_EVENTS,
+    inner_limits,
     segment_edges,
     trajectory,
 )
@@ -201,7 +202,7 @@ class ScipyEvents:
         t, status = t_span[0], None
         edges = segment_edges(motion, *t_span)
         for start, stop in pairwise(edges):
-            run.low, run.high = np.nextafter(start, math.inf), np.nextafter(stop, -math.inf)
+            run.low, run.high = inner_limits(start, stop, motion.max_step)
             t, status = _smooth_stretch(run, float(start), float(stop), rtol, atol, max_events)
             if status is not None:
                 break

@@ -15,7 +15,7 @@ from numba import types
 from rocking.hybrid import REST, ROTATION
 from rocking.solvers import taylor_table as row
 from rocking.solvers.exact_entry import new_log
-from rocking.solvers.numba_compile import compiled
+from rocking.solvers.numba_compile import borrowing, compiled
 from rocking.solvers.taylor_lanes import carry
 from rocking.solvers.taylor_log import write_end, write_step, write_wait
 from rocking.solvers.taylor_roots import empty_scratch
@@ -26,7 +26,7 @@ SHARE = 3
 """Of the lanes at work a share of one in so many waits near the floor before impacts are looked for."""
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def next_run(t, lane, runs, run, form, wave):
     """Put the next run that takes longer than its begin into a lane; the number of the one after it."""
     while run < runs.pars.shape[0]:

@@ -21,7 +21,7 @@ from typing import Any
 
 from numba import types
 
-from rocking.solvers.taylor_vector import emitted, fma_of, lanes_type, most_of
+from rocking.solvers.taylor_vector import emitted, fma_of, lanes_type, most_of, size_of
 
 DEGREE = 9
 """Of the polynomial of x; the functions of `rocking.solvers.exact_polynomial` take the same ten coefficients."""
@@ -37,6 +37,7 @@ QUARTER = 0.25 * math.pi
 POLYNOMIAL = types.UniTuple(lanes_type, DEGREE + 1)
 PUSH_ON_SINE = types.UniTuple(lanes_type, DEGREE - 1)
 PAIR = types.UniTuple(lanes_type, 2)
+TRIPLE = types.UniTuple(lanes_type, 3)
 
 
 def evaluated(c: Any, t: Any) -> Any:
@@ -79,21 +80,48 @@ def flight(x: Any, v: Any, push: Any, p2: Any, alpha: Any, turned: Any, floor: A
         for n in range(DEGREE - 1):
             psi = alpha - x if n == 0 else -c[n]
             force = psi + push[n] if n < len(push) else psi
-            c.append(force * (p2 * (-1.0 / ((n + 1) * (n + 2)))))
-            c[2] = most_of(c[2], floor)
+            part = force * (p2 * (-1.0 / ((n + 1) * (n + 2))))
+            c.append(most_of(part, floor) if n == 0 else part)
         return tuple(c)
     sine, cosine = sine_and_cosine(x - QUARTER)
     S, C = [fma_of(turned[0], cosine, -(turned[1] * sine))], [fma_of(turned[1], cosine, turned[0] * sine)]
     slope = [v]
     for n in range(DEGREE - 1):
         pushed = multiplied(push[: n + 1], C[max(0, n + 1 - len(push)) :])
-        c.append((S[n] + pushed) * (p2 * (-1.0 / ((n + 1) * (n + 2)))))
-        c[2] = most_of(c[2], floor)
+        part = (S[n] + pushed) * (p2 * (-1.0 / ((n + 1) * (n + 2))))
+        c.append(most_of(part, floor) if n == 0 else part)
         slope.append(c[n + 2] * float(n + 2))
         S_next, C_next = multiplied(slope[: n + 1], C), multiplied(slope[: n + 1], S)
         S.append(S_next * (-1.0 / (n + 1)))
         C.append(C_next * (1.0 / (n + 1)))
     return tuple(c)
+
+
+@emitted(TRIPLE)
+def glide(x: Any, v: Any, push: Any, h: Any, p2: Any, alpha: Any, floor: Any) -> Any:
+    """(x, v, largest x'' or 0) at the end of a linear flight of length h, where u = push[0] + push[1] t.
+
+    z = x - alpha - u obeys z'' = p^2 z, so z = z_0 cosh + z_0' sinh / p; where it is positive it is greatest at an end.
+    What is added to x and v is computed as such: no rounding of alpha gets into a small tilt.
+    """
+    z = most_of((x - alpha) - push[0], floor)
+    d = v - push[1]
+    square = h * h
+    q = p2 * square
+    cosh_less_1 = q * fma_of(q, fma_of(q, fma_of(q, 1.0 / 40320.0, 1.0 / 720.0), 1.0 / 24.0), 0.5)
+    sinh_less_h = (h * q) * fma_of(q, fma_of(q, fma_of(q, 1.0 / 362880.0, 1.0 / 5040.0), 1.0 / 120.0), 1.0 / 6.0)
+    on = fma_of(cosh_less_1, z, fma_of(sinh_less_h, d, h * v))
+    faster = fma_of(p2 * (h + sinh_less_h), z, cosh_less_1 * d)
+    z_end = z + (on - push[1] * h)
+    return x + on, v + faster, p2 * most_of(most_of(z, z_end), h * 0.0)
+
+
+@emitted(lanes_type)
+def largest_curvature(c: Any, h: Any) -> Any:
+    """A bound of x'' on [0, h]; 0 where that is negative."""
+    at_ends = most_of(most_of(c[2] * 2.0, fma_of(c[3] * 6.0, h, c[2] * 2.0)), h * 0.0)
+    beyond = evaluated([size_of(c[n]) * float(n * (n - 1)) for n in range(4, DEGREE + 1)], h)
+    return fma_of(beyond, h * h, at_ends)
 
 
 @emitted(PUSH_ON_SINE)

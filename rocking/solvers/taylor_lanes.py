@@ -17,8 +17,9 @@ import math
 import numba
 
 from rocking.solvers import taylor_table as row
+from rocking.solvers.numba_compile import borrowing
 from rocking.solvers.recording import MAX_STALLED, STALL_TIME
-from rocking.solvers.taylor_flight import DEGREE, flight, push_on_sine, slope, turn, value
+from rocking.solvers.taylor_flight import DEGREE, flight, glide, largest_curvature, push_on_sine, slope, turn, value
 from rocking.solvers.taylor_roots import differentiated, first_landing, less, newton
 from rocking.solvers.taylor_vector import (
     bits,
@@ -64,7 +65,45 @@ def angle_terms(t, form):
     return load(t, row.TURN_S), load(t, row.TURN_C)
 
 
-@numba.njit(error_model="numpy")
+@numba.njit(error_model="numpy", forceinline=True)
+def wanted_at_once(x, v, push, p2, alpha, turned, floor, form, wave):
+    """The polynomial of a flight, but None for the linear block over a record, whose end is known without."""
+    if form is not None:  # one question at a time: numba answers it when it compiles
+        return flight(x, v, push, p2, alpha, turned, floor)
+    if wave is not None:
+        return flight(x, v, push, p2, alpha, turned, floor)
+    return None
+
+
+@numba.njit(error_model="numpy", forceinline=True)
+def known(c, x, v, push, p2, alpha, turned, floor):
+    """The polynomial of a flight, computed now if it is not yet known."""
+    if c is None:
+        return flight(x, v, push, p2, alpha, turned, floor)
+    return c
+
+
+@numba.njit(error_model="numpy", forceinline=True)
+def end_of_step(c, x, v, push, h, p2, alpha, floor):
+    """(x, v) after h, and a bound of the curvature of x until then."""
+    if c is None:
+        return glide(x, v, push, h, p2, alpha, floor)
+    return value(c, h), slope(c, h), largest_curvature(c, h)
+
+
+@numba.njit(error_model="numpy", forceinline=True)
+def may_land(x, x_end, rise):
+    """Where a flight may descend through zero; rise: a bound of its curvature times the square of the step.
+
+    It dips below the chord of its ends by an eighth of that at most.  From the floor it rises to x_end if that exceeds
+    half of it: then x(t) >= (t/h)(x_end - rise/2).
+    """
+    bound = rise * (1.0 + 1e-6)
+    at_all = least(x, x_end) <= bound * 0.125 + 1e-15
+    return at_all & ((x > 0.0) | (x < 0.0) | (x_end <= bound * 0.5))
+
+
+@borrowing
 def look_up(t, c, x, v, tau, k, reach, x_end, v_end):
     """Largest tilts, passages of the balance and falls of a step; true in lanes that fall."""
     top = most(x, x_end)
@@ -116,7 +155,7 @@ def strike(t, hit, speed, now, push, push_end, rise, left, max_events):
     return where(hit, where(enough, float(row.ENOUGH), asks), hold * 0.0)
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def keep_step(t, c, s, k, tau, reach, v_end, hit):
     """Remember the step for the log."""
     for n in range(DEGREE + 1):
@@ -130,7 +169,7 @@ def keep_step(t, c, s, k, tau, reach, v_end, hit):
     store(t, row.PASSED, reach * 0.0 - 1.0)
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def carry(t, values, form, wave, scratch, max_events, quorum, logging):
     """Carry all lanes until one asks for something, or for one step where the run is written down."""
     x, v, s = load(t, row.X), load(t, row.V), load(t, row.S)
@@ -148,40 +187,40 @@ def carry(t, values, form, wave, scratch, max_events, quorum, logging):
         else:
             rate, omega, now = load(t, row.RATE), load(t, row.OMEGA), load(t, row.ORIGIN) + tau
             push = push_on_sine(s * rate, omega, now, sine, cosine)
-        c = flight(x, v, push, p2, alpha, turned, floor)
         rest, limit = stop - tau, load(t, row.LIMIT)
         whole = rest <= limit
         h = where(whole, rest, limit)
+        c = wanted_at_once(x, v, push, p2, alpha, turned, floor, form, wave)
         if form is not None:
             long = tail(c, h) > TAIL
             while bits(long) != 0:
                 h, whole = where(long, 0.5 * h, h), whole & ~long
                 long = tail(c, h) > TAIL
         kept = where(h > 0.0, none - math.inf, floor)
-        x_end, v_end, reach = value(c, h), slope(c, h), h
-        bulge = load(t, row.BULGE)
+        (x_end, v_end, curvature), reach = end_of_step(c, x, v, push, h, p2, alpha, floor), h
         hit, call = none > 0.0, none
-        near = least(x, x_end) <= bulge
+        near = may_land(x, x_end, curvature * (h * h))
         if bits(near) != 0:
             waited += 1
             if waited >= PATIENCE or count(near) >= quorum:
                 waited = 0
-                landing = first_landing(c, x, h, near, scratch)
+                path = known(c, x, v, push, p2, alpha, turned, floor)
+                landing = first_landing(path, x, h, near, scratch)
                 hit = landing <= h
                 x_end = most(x_end, 0.0)
                 if bits(hit) != 0:
                     reach = where(hit, landing, h)
-                    x_end, v_end = where(hit, 0.0, x_end), where(hit, slope(c, reach), v_end)
+                    x_end, v_end = where(hit, 0.0, x_end), where(hit, slope(path, reach), v_end)
                     whole = whole & ~hit
             else:
                 x_end, v_end, reach = where(near, x, x_end), where(near, v, v_end), where(near, 0.0, h)
                 whole, kept = whole & ~near, where(near, floor, kept)
-        floor = kept
         if logging:
-            keep_step(t, c, s, k, tau, reach, v_end, hit)
-        if bits(most(x, x_end) + bulge > load(t, row.WATCH)) != 0:
-            call = where(look_up(t, c, x, v, tau, k, reach, x_end, v_end), float(row.FALLS), call)
-        x, v, tau = x_end, v_end, tau + reach
+            keep_step(t, known(c, x, v, push, p2, alpha, turned, floor), s, k, tau, reach, v_end, hit)
+        if bits(most(x, x_end) + load(t, row.BULGE) > load(t, row.WATCH)) != 0:
+            path = known(c, x, v, push, p2, alpha, turned, floor)
+            call = where(look_up(t, path, x, v, tau, k, reach, x_end, v_end), float(row.FALLS), call)
+        x, v, tau, floor = x_end, v_end, tau + reach, kept
         if wave is not None:
             sine, cosine = turn(sine, cosine, omega * reach)
         if bits(hit) != 0:

@@ -7,17 +7,16 @@ from __future__ import annotations
 
 import math
 
-import numba
-
 from rocking.hybrid import REST, ROTATION
 from rocking.method1 import FALL, IMPACT, TIP
 from rocking.solvers import taylor_table as row
 from rocking.solvers.exact_polynomial import derivative, value
+from rocking.solvers.numba_compile import borrowing
 from rocking.solvers.recording import REACHED_END
 from rocking.trajectory import BALANCE
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def write_event(t, log, at, guard, modes, s, before, after):
     """One event at the time `at`, if there is room; before and after are (theta, omega)."""
     i = int(t[row.WRITTEN, 0])
@@ -29,7 +28,7 @@ def write_event(t, log, at, guard, modes, s, before, after):
         log.event_y[i, 1, 0], log.event_y[i, 1, 1] = after
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def write_samples(t, log, c, s, start, reach, mode):
     """Samples from the time `start` to start + reach of the flight c about the corner s."""
     i = int(t[row.SAVED, 0])
@@ -41,7 +40,7 @@ def write_samples(t, log, c, s, start, reach, mode):
     t[row.SAVED, 0] = i
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def write_wait(t, log, s, tips):
     """The block stood, the corner s last to carry, until it tipped or the run ended."""
     until = t[row.LAST, 0] if tips else t[row.T_END, 0]
@@ -50,7 +49,7 @@ def write_wait(t, log, s, tips):
         write_event(t, log, until, TIP, (REST, ROTATION), t[row.S, 0], (0.0, 0.0), (0.0, 0.0))
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def flight_of(t):
     """The flight of the step just made."""
     i = row.C_FIRST
@@ -60,7 +59,7 @@ def flight_of(t):
     )  # fmt: skip
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def write_step(t, log):
     """The step just made, before what it led to is dealt with."""
     c, s, call = flight_of(t), t[row.S_OLD, 0], int(t[row.CALL, 0])
@@ -80,7 +79,7 @@ def write_step(t, log):
         write_event(t, log, t[row.LAST, 0], IMPACT, modes, t[row.S, 0], (0.0, s * t[row.V_OLD, 0]), after)
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def write_end(t, log):
     """Samples at the very end, which rounding may leave behind the last step."""
     if t[row.STATUS, 0] == REACHED_END:

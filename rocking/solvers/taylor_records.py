@@ -29,16 +29,24 @@ def joined(records: Sequence[tuple[Array, Array]]) -> tuple[Samples, Array]:
     """(samples, rows of scale 1), shape (record, column), of records ((t_first, dt), values)."""
     from rocking.solvers.exact_kernel import BLOCK
 
-    parts, rows, first = [], [], 0
-    for (t_first, dt), given in records:
-        # One sample alone is an instant, in which nothing happens.
-        values = np.asarray(given, np.float64) if len(given) > 1 else np.zeros(2)
-        room = -(-(values.size + 2) // BLOCK) * BLOCK
-        parts.append(np.concatenate([values, np.zeros(room - values.size)]))
-        rows.append((1.0, dt, t_first, first, values.size, np.abs(values).max()))
-        first += room
-    flat = np.concatenate(parts)
-    return Samples(flat, np.abs(flat).reshape(-1, BLOCK).max(axis=1)), np.array(rows, dtype=np.float64)
+    # One sample alone is an instant, in which nothing happens.
+    heads, values = [head for head, _ in records], [v if len(v) > 1 else np.zeros(2) for _, v in records]
+    counts = np.array([len(v) for v in values])
+    rooms = -(-(counts + 2) // BLOCK) * BLOCK
+    firsts = np.concatenate([[0], np.cumsum(rooms)[:-1]])
+    flat = np.zeros(int(rooms.sum()))
+    for first, of_one in zip(firsts, values, strict=True):
+        flat[first : first + len(of_one)] = of_one
+    peaks = np.abs(flat).reshape(-1, BLOCK)
+    while peaks.shape[1] > 1:  # by halves: NumPy is slow where it reduces over few
+        half = peaks.shape[1] // 2
+        peaks = np.maximum(peaks[:, :half], peaks[:, half:])
+    peaks = np.ascontiguousarray(peaks[:, 0])
+    rows = np.ones((len(records), 6))
+    rows[:, T_FIRST], rows[:, DT] = np.array(heads, dtype=np.float64).reshape(-1, 2).T
+    rows[:, FIRST], rows[:, SAMPLES] = firsts, counts
+    rows[:, LARGEST_SAMPLE] = np.maximum.reduceat(peaks, firsts // BLOCK)
+    return Samples(flat, peaks), rows
 
 
 def scaled(row: Array, scale: ArrayLike, time_scale: ArrayLike) -> Array:

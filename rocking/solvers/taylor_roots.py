@@ -17,6 +17,7 @@ import numba
 import numpy as np
 
 from rocking.solvers.exact_polynomial import NONE, SURE, derivative, root_by_walking
+from rocking.solvers.numba_compile import borrowing
 from rocking.solvers.taylor_flight import DEGREE, POLYNOMIAL, evaluated, slope, value
 from rocking.solvers.taylor_vector import (
     LANES,
@@ -27,11 +28,18 @@ from rocking.solvers.taylor_vector import (
     load,
     most,
     root_of,
+    size,
     size_of,
     store,
     where,
     where_of,
 )
+
+CHORDS = 4
+"""Steps with one slope; two or three are usual."""
+
+ROUNDING = 1e-16
+"""Share of the root that the last step with one slope may leave."""
 
 MOST_STEPS = 100
 """Newton steps and halvings; four are usual."""
@@ -74,9 +82,34 @@ def first_guess(q: Any) -> Any:
     return (2.0 * q[0]) / (root_of(where_of(inner > 0.0, inner, 0.0)) - q[1])
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def newton(q, h, wanted):
-    """A root in [0, h] of each wanted polynomial, which is positive at 0 and not at h; inf in the other lanes."""
+    """A root in [0, h] of each wanted polynomial, which is positive at 0 and not at h; inf in the other lanes.
+
+    After one step the slope serves for all that follow: no division waits for another.  A step that is the share r of
+    the one before leaves about r of itself.
+    """
+    t = first_guess(q)
+    t = t - value(q, t) / slope(q, t)
+    per_slope = 1.0 / slope(q, t)
+    last = value(q, t) * per_slope
+    t = t - last
+    active, found = wanted, wanted & ~wanted
+    for _ in range(CHORDS):
+        change = value(q, t) * per_slope
+        t = where(active, t - change, t)
+        done = active & (change * change <= ROUNDING * (t * size(last))) & (t > 0.0) & (t <= h)
+        active, found, last = active & ~done, found | done, change
+        if bits(active) == 0:
+            break
+    if bits(active) != 0:
+        t = where(found, t, within_bracket(q, h, active))
+    return where(wanted, t, math.inf)
+
+
+@borrowing
+def within_bracket(q, h, wanted):
+    """`newton` with a slope for each step, and halvings where a step would leave what is known to hold the root."""
     low, high = h * 0.0, h
     t = first_guess(q)
     t = where((t > low) & (t < high), t, 0.5 * h)
@@ -96,7 +129,7 @@ def newton(q, h, wanted):
     return where(wanted, t, math.inf)
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def walk(q, h, lanes, scratch):
     """First root in (0, h) of the polynomials in the lanes given by their bits; inf in the others."""
     for n in range(DEGREE + 1):
@@ -118,7 +151,7 @@ SCRATCH = DEGREE + 3
 """Rows that `walk` wants."""
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def first_landing(c, x, h, near, scratch):
     """First time in [0, h] at which each near flight descends through zero; inf where it does not.
 

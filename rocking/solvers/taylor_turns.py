@@ -16,11 +16,11 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 
 from rocking.hybrid import REST, ROTATION
 from rocking.solvers import taylor_table as row
+from rocking.solvers.numba_compile import borrowing
 from rocking.solvers.recording import FELL, MAX_STALLED, REACHED_END, STALL_TIME, STALLED, TOO_MANY_EVENTS
 from rocking.solvers.taylor_flight import LONGEST, LONGEST_TURN
 from rocking.solvers.taylor_records import LARGEST_SAMPLE
@@ -30,20 +30,20 @@ BEFORE, WITHIN, LAST_PART, AFTER = range(4)
 """Stretches of a motion."""
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def moment(t, lane):
     """Time [s] of a lane."""
     return t[row.ORIGIN, lane] + (t[row.K, lane] * t[row.DT, lane] + t[row.TAU, lane])
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def bound_step(t, lane, longest, a_max):
     """Set how far x may bulge between the ends of a step: |x''| <= p^2 (1.6 + |a_x|/g) up to the fall."""
     step = min(longest, t[row.LIMIT, lane])
     t[row.BULGE, lane] = 0.125 * t[row.P2, lane] * (1.6 + a_max) * step * step * (1.0 + 1e-6) + 1e-15
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def be_quiet(t, lane, start, stop):
     """A stretch without acceleration."""
     t[row.ORIGIN, lane], t[row.K, lane], t[row.TAU, lane], t[row.STOP, lane] = start, 0.0, 0.0, stop - start
@@ -52,7 +52,7 @@ def be_quiet(t, lane, start, stop):
     bound_step(t, lane, math.inf, 0.0)
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def be_in_interval(t, lane, values, k, tau, stop):
     """Interval k of the record from tau to stop."""
     t[row.K, lane], t[row.TAU, lane], t[row.STOP, lane] = k, tau, stop
@@ -60,7 +60,7 @@ def be_in_interval(t, lane, values, k, tau, stop):
     t[row.B0, lane], t[row.B1, lane] = t[row.SCALE, lane] * values[at], t[row.SCALE, lane] * values[at + 1]
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def enter_record(t, lane, runs):
     """The record, at its begin or where the run starts in it."""
     n, dt, t_first = int(t[row.SAMPLES, lane]), t[row.DT, lane], t[row.BEGIN, lane]
@@ -74,7 +74,7 @@ def enter_record(t, lane, runs):
     bound_step(t, lane, dt, abs(t[row.SCALE, lane]) * runs.motions[int(t[row.RUN, lane]), LARGEST_SAMPLE])
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def enter_wave(t, lane, runs):
     """The ramped sinusoid, at its begin or where the run starts in it."""
     omega, phase, _, duration = runs.motions[int(t[row.RUN, lane])]
@@ -86,13 +86,13 @@ def enter_wave(t, lane, runs):
     bound_step(t, lane, t[row.LIMIT, lane], abs(t[row.RATE, lane]) * stop)
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def whole_intervals(t, lane):
     """Intervals of the record that end before the run does."""
     return min(int(max(t[row.T_END, lane] - t[row.BEGIN, lane], 0.0) / t[row.DT, lane]), int(t[row.SAMPLES, lane]) - 1)
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def enter_last_part(t, lane, runs):
     """The interval of the record in which the run ends, after all whole ones; False if there is none."""
     whole = whole_intervals(t, lane)
@@ -104,7 +104,7 @@ def enter_last_part(t, lane, runs):
     return True
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def enter(t, lane, runs, wave, stretch):
     """Put the lane at the begin of the first stretch from `stretch` on that has any length; False if there is none."""
     t_start, t_end = t[row.T_START, lane], t[row.T_END, lane]
@@ -134,7 +134,7 @@ def enter(t, lane, runs, wave, stretch):
     return False
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def exceeds_on_record(t, lane, runs):
     """Whether |a_x| exceeds what the block stands, from now to the end of the stretch; the lane is put there."""
     onset, tau, k = t[row.ONSET, lane], t[row.TAU, lane], int(t[row.K, lane])
@@ -161,7 +161,7 @@ def exceeds_on_record(t, lane, runs):
         be_in_interval(t, lane, runs.values, k, tau, t[row.DT, lane])
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def exceeds_on_wave(t, lane, runs):
     """Whether |a_x| exceeds what the block stands, from now to the end of the stretch; the lane is put there."""
     omega, phase = t[row.OMEGA, lane], runs.motions[int(t[row.RUN, lane]), 1]
@@ -175,7 +175,7 @@ def exceeds_on_wave(t, lane, runs):
     return True
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def exceeds(t, lane, runs, wave):
     """Whether |a_x| exceeds what the block stands, from now to the end of the stretch; the lane is put there."""
     if wave is not None:
@@ -183,7 +183,7 @@ def exceeds(t, lane, runs, wave):
     return exceeds_on_record(t, lane, runs)
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def count_event(t, lane, now):
     """One more event at this time; its status if it is one too many."""
     t[row.STALLS, lane] = t[row.STALLS, lane] + 1.0 if now - t[row.LAST, lane] < STALL_TIME else 0.0
@@ -191,7 +191,7 @@ def count_event(t, lane, now):
     t[row.EVENTS, lane] += 1.0
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def wait(t, lane, runs, wave):
     """Let the block stand until the base tips it; False if it stands to the end."""
     t[row.MODE, lane], t[row.X, lane], t[row.V, lane] = REST, 0.0, 0.0
@@ -208,7 +208,7 @@ def wait(t, lane, runs, wave):
             return False
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def chatter(t, lane, runs, wave):
     """Number of impacts, up to and with the last one, in which the chatter of a block just struck ends; 0 if unsure.
 
@@ -247,7 +247,7 @@ def chatter(t, lane, runs, wave):
     return 0 if stalls or t[row.EVENTS, lane] + count > runs.max_events else count
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def begin(t, lane, runs, run, form, wave, logging):
     """Put a run into a lane; False if it is over already."""
     p2, alpha, g, onset, e, omega_rest = runs.pars[run]
@@ -280,7 +280,7 @@ def begin(t, lane, runs, run, form, wave, logging):
     return mode != REST or wait(t, lane, runs, wave)
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def be_idle(t, lane):
     """Put nothing into a lane: a flight without forces that never asks for anything."""
     for i in range(row.ROWS):
@@ -290,7 +290,7 @@ def be_idle(t, lane):
     t[row.BULGE, lane], t[row.LIMIT, lane], t[row.RUN, lane] = -1.0, 1.0, -1.0
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def answer(t, lane, runs, wave):
     """Give a lane what it asks for; False if its run is over, with STATUS and T_END set."""
     call = int(t[row.CALL, lane])
@@ -321,7 +321,7 @@ OVERTURNED, SIDE, OVERTURNING, LARGEST, COUNT, FINISHED, ENDED, FIRST, LAST_MODE
 COLUMNS = 9
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def sum_up(t, lane, runs):
     """Write down what became of the run in a lane."""
     out = runs.rows[int(t[row.RUN, lane])]

@@ -8,15 +8,14 @@ from __future__ import annotations
 
 import math
 
-import numba
-
 from rocking.solvers.exact_kernel import BLOCK
+from rocking.solvers.numba_compile import borrowing
 
 MOST_STEPS = 200
 """Newton steps and halvings."""
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def next_push(values, peaks, k, stop, threshold):
     """First sample from k on whose |value| exceeds the threshold; `stop` or more if there is none before."""
     while k < stop:
@@ -29,7 +28,7 @@ def next_push(values, peaks, k, stop, threshold):
     return k
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def crest(wt):
     """Angle a in (pi/2, pi) of the largest t |sin|, t >= 0, in the half cycle that begins at omega t = wt >= -pi.
 
@@ -51,7 +50,7 @@ def crest(wt):
     return a
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def rising_through(omega, phase, rate, level, low, high):
     """Time in (low, high] at which rate t |sin(omega t + phase)| rises through the level."""
     t = high
@@ -76,7 +75,7 @@ def rising_through(omega, phase, rate, level, low, high):
     return high
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def wave_exceeds(omega, phase, rate, level, t, stop):
     """First time from t >= 0 to stop at which rate t |sin(omega t + phase)| exceeds the level; inf if it does not."""
     if omega < 0.0:

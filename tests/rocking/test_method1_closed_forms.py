@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 from rocking import Block, Method1, Mode, Outcome, solve
+from rocking.closed_forms import zeno_time
 
 G = 9.81
 
@@ -149,6 +150,25 @@ def test_impacts_from_a_small_push_follow_the_geometric_series_to_rest(
     height = omega**2 / (2.0 * p**2 * math.sin(math.atan(0.25)))
     np.testing.assert_allclose(run.impact_times, expected, rtol=height * 4.0 + 1e-9)
     np.testing.assert_array_equal(run.y[-1], 0.0)
+
+
+# The limit of the rule for the end of a chatter: the impacts accumulate at `zeno_time`, the sum of the whole geometric
+# series.  What is dropped of it is the series from the last impact on, which shrinks as `rest_speed` does.
+@pytest.mark.parametrize("solver", ["exact", "taylor", "numba", "scipy"])
+@pytest.mark.parametrize("e", [0.5, 0.9])
+def test_the_time_of_rest_tends_to_the_accumulation_time_of_the_impacts(slender: Block, solver: str, e: float) -> None:
+    p, omega = slender.p(G), 1e-4 * slender.p(G) * slender.alpha
+    limit = zeno_time(omega, slender.alpha, p, e)
+    for rest_speed in (1e-6, 1e-7, 1e-8):
+        system = Method1(slender, form="linear", restitution=e, g=G, rest_speed=rest_speed)
+        run = solve(system, omega=omega, t_end=2.0 * limit, solver=solver, rtol=1e-12, atol=1e-18, save_at=())
+        assert run.outcome is Outcome.AT_REST
+        left = limit - run.impact_times[-1]
+        # The speed after the last impact lies between e and 1 times the threshold; swings of finite height take longer
+        # than those of the series, by (omega/(p alpha))^2 / 3 = 3e-9 of their time at most.
+        most = zeno_time(rest_speed * p, slender.alpha, p, e)
+        assert e * most - 1e-8 * limit <= left <= most + 1e-8 * limit
+    assert left < 1e-3 * limit
 
 
 @pytest.mark.parametrize("form", ["nonlinear", "linear"])

@@ -14,7 +14,15 @@ import numpy as np
 
 from rocking import Method1, scalars
 from rocking.hybrid import Base, Discrete
-from rocking.solvers.recording import FELL, NOT_FINITE, REACHED_END, TOO_MANY_EVENTS, segment_edges, trajectory
+from rocking.solvers.recording import (
+    FELL,
+    NOT_FINITE,
+    REACHED_END,
+    TOO_MANY_EVENTS,
+    inner_limits,
+    segment_edges,
+    trajectory,
+)
 from rocking.trajectory import BALANCE, Events
 
 
@@ -39,7 +47,7 @@ class FixedStep:
         status, t = REACHED_END, t_span[0]
         for start, stop in pairwise(segment_edges(motion, *t_span)):
             # No step goes over a jump of the base: on either side of it the base has its limit from within.
-            run.within = np.nextafter(start, math.inf), np.nextafter(stop, -math.inf)
+            run.within = inner_limits(start, stop, motion.max_step)
             status, t = run.carry(float(start), float(stop), step, max_events)
             if status != REACHED_END:
                 break
