@@ -2,7 +2,7 @@
 
 See          the block falls, is thrown back by its two springs, and comes up to where it began, again and again; energy
              goes from one form to the other and none is lost.
-Paper says   "undamped oscillation of a rebounding rigid block under gravitation"; what is compared for different steps.
+Paper says   an undamped, rebounding rigid block under gravitation is what is compared for different steps.
 Run          python -m studies.fig10 [--quick]  ->  build/studies/fig10.nc, then fig10.png and .pdf
 """
 

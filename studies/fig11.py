@@ -2,7 +2,7 @@
 
 See          nearly all of nine steps give a rebounding block that looks right by itself; beside the pivot the larger
              ones are out of step after a few rebounds.
-Paper says   "seemingly stable behaviour does not mean really stable".
+Paper says   a motion that looks stable need not be.
 Run          python -m studies.fig11 [--quick]  ->  build/studies/fig11.nc, then fig11.png and .pdf
 """
 

@@ -21,7 +21,7 @@ _ALL = (
         "height after the last rebound over that of the drop, pivot, smallest", ">=", 0.99, depends=DROP,
     ),
     Claim(
-        "fig11.seemingly", "Seemingly stable behaviour does not mean really stable", f"{STABILITY}, Fig. 11",
+        "fig11.seemingly", "A motion that looks stable need not be right", f"{STABILITY}, Fig. 11",
         "of the nine steps, those whose block never rises above 1.1 drop heights and yet is off by more than a tenth "
         "of one (root mean square)", ">=", 1.0, depends=DROP,
     ),
