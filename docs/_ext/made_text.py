@@ -2,7 +2,7 @@
 
 effects            the heads of the files in rocking/effects
 figures            the heads of the figures in studies
-benchmark NAME     benchmarks/results/NAME.csv, with what its script says it is
+benchmarks         benchmarks/results/*.csv, each with what its script says it is
 checks PREFIX      docs/results/checks.csv, the test files whose path starts so
 anchors            the checks of docs/results/checks.csv that are named in docs/results/anchors.csv
 """
@@ -14,14 +14,14 @@ from typing import Any
 
 from effect_heads import effects_text
 from figure_heads import figures_text
-from result_tables import anchors_text, benchmark_text, checks_text
+from result_tables import anchors_text, benchmarks_text, checks_text
 from sphinx.application import Sphinx
 
 MARK = re.compile(r"^<!-- made: (\w+) ?(.*?) -->$", re.MULTILINE)
 MAKERS = {
     "effects": effects_text,
     "figures": figures_text,
-    "benchmark": benchmark_text,
+    "benchmarks": benchmarks_text,
     "checks": checks_text,
     "anchors": anchors_text,
 }

@@ -39,20 +39,27 @@ def day_of(path: Path) -> str:
         return "not known here"
 
 
-def benchmark_text(name: str) -> str:
+def benchmarks_text() -> str:
+    """All benchmarks whose results are kept, one section to a file."""
+    parts = []
+    for path in sorted((ROOT / "benchmarks" / "results").glob("*.csv")):
+        parts += [f"## {path.stem.replace('_', ' ').capitalize()}", "", benchmark_text(path), ""]
+    return "\n".join(parts)
+
+
+def benchmark_text(path: Path) -> str:
     """A benchmark: the head of its script, the day, the table."""
-    script, path = ROOT / "benchmarks" / f"{name}.py", ROOT / "benchmarks" / "results" / f"{name}.csv"
-    head = ast.get_docstring(ast.parse(script.read_text())) or ""
+    script = ROOT / "benchmarks" / f"{path.stem}.py"
+    head = (ast.get_docstring(ast.parse(script.read_text())) or "") if script.exists() else ""
     title, _, rest = head.partition("\n\n")
-    if not path.exists():
-        return f"{literal(' '.join(title.split()))} No result is kept yet."
     rows = rows_of(path)
     same = {c: rows[0][c] for c in rows[0] if c in ("python", "machine") and len({row[c] for row in rows}) == 1}
     columns = [c for c in rows[0] if c not in same]
     where = f"Python {same['python']} on {same['machine']}" if len(same) == 2 else "see the columns"
     table = _table([c.replace("_", " ") for c in columns], [[literal(row[c]) for c in columns] for row in rows])
-    note = f"*Result of {day_of(path)}, {where}; `benchmarks/results/{name}.csv`.*"
-    return "\n".join([literal(" ".join(title.split())), "", "```text", rest, "```", "", note, "", table])
+    note = f"*Result of {day_of(path)}, {where}; `benchmarks/results/{path.name}`.*"
+    about = ["```text", rest, "```", ""] if rest else []
+    return "\n".join([literal(" ".join(title.split())), "", *about, note, "", table])
 
 
 def _numbers(row: dict[str, str]) -> tuple[str, str]:
