@@ -206,11 +206,14 @@ def test_a_smooth_elastic_collision_keeps_the_kinetic_energy():
 
 
 SCENES = {
+    "single": (dem.single(B, H, D, DENSITY), 6.0),
     "column": (dem.column(3, B, H, D, DENSITY), 6.0),
     "next to a wall": (dem.column(2, B, H, D, DENSITY, wall_gap=0.0), 6.0),
     "masonry": (dem.running_bond(5, 3), 9.0),
     "stones": (dem.rubble(4), 5.0),
     "arch": (dem.arch(9, 0.2), 6.0),
+    "flat arch": (dem.arch(9, 0.2, embrace=2.0), 20.0),
+    "shelf": (dem.bookshelf(), 6.0),
 }
 
 
