@@ -33,8 +33,8 @@ from peers.heyoka_events import heyoka_runner
 
 from rocking import Method1, solve
 from rocking.solvers import load
-from rocking.solvers.exact_batch import RampedSines, ScaledRecord, exact_batch
-from rocking.solvers.taylor_arrays import taylor_batch
+from rocking.solvers.exact.batch import RampedSines, ScaledRecord, exact_batch
+from rocking.solvers.taylor.arrays import taylor_batch
 
 RESULTS = Path(__file__).parent / "results" / "trajectories.csv"
 HEAD = ["case", "form", "by", "cpu_us", "solve_ivp_over_this", "this_over_floor", "impacts", "error_of_fifth_impact_s"]
@@ -58,7 +58,7 @@ class Counter:
 
 def operations_of_a_step(form: str, wave: bool) -> int:
     """Multiplications, additions and fused pairs of a flight with its end, by the rules that emit them."""
-    from rocking.solvers import taylor_flight as rules
+    from rocking.solvers.taylor import flight as rules
 
     kept = rules.fma_of, rules.most_of
     rules.fma_of, rules.most_of = (lambda a, b, c: Counter()._one()), (lambda a, b: Counter()._one())  # type: ignore
@@ -79,7 +79,7 @@ def fused_per_second() -> float:
     """Fused multiply-adds that one core does in a second, counted by element."""
     import numba
 
-    from rocking.solvers.taylor_vector import LANES, fma, load, store
+    from rocking.solvers.taylor.vector import LANES, fma, load, store
 
     @numba.njit(error_model="numpy")
     def work(t: Any, n: int) -> None:

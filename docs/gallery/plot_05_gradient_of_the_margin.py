@@ -12,8 +12,8 @@ import numpy as np
 
 from excitation import OneSinePulse
 from rocking import Block, Method1
-from rocking.solvers.diffrax_parameters import parameters_for
-from rocking.solvers.diffrax_response import response, sensitivity
+from rocking.solvers.diffrax.parameters import parameters_for
+from rocking.solvers.diffrax.response import response, sensitivity
 
 block = Block(b=0.25, h=1.00)
 system = Method1(block)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from excitation import SampledMotion
 from rocking.motion import BaseMotion, pitch_kernel
-from rocking.solvers.numba_windows import Start, run_windows
+from rocking.solvers.numba.windows import Start, run_windows
 from studies.campaigns import Test
 from studies.campaigns.base_motion import base_motion
 from studies.loop.model import LoopModel

@@ -42,7 +42,7 @@ def test_same_numbers_traced_by_jax(any_motion):
 def test_same_numbers_compiled_by_numba(any_motion):
     from numba import types
 
-    from rocking.solvers.numba_compile import bound
+    from rocking.solvers.numba.compiling import bound
 
     signature = types.UniTuple(types.float64, 2)(types.float64, types.float64[::1])
     for kernel, expected in (

@@ -6,7 +6,7 @@ import pytest
 from excitation import RampedSinusoid, SampledMotion
 from rocking import Block, Method1, Method2, solve, solve_batch
 from rocking.effects import compose, load
-from rocking.solvers.numba_windows import Start, run_windows
+from rocking.solvers.numba.windows import Start, run_windows
 
 BLOCK = Block(0.2, 0.8)
 MOTION = RampedSinusoid(2.5, 6.0, 7.0)

@@ -10,10 +10,11 @@ import pytest
 from excitation import PiecewiseLinear, RampedSinusoid
 from rocking import Block, Method1, solve_batch
 from rocking.maps import overturning_map
-from rocking.solvers import devices, exact_jax
-from rocking.solvers.exact_batch import RampedSines, ScaledRecord, exact_batch
-from rocking.solvers.exact_jax import carry_on_device
-from rocking.solvers.taylor_batch import (
+from rocking.solvers import devices
+from rocking.solvers.exact import jax_batch
+from rocking.solvers.exact.batch import RampedSines, ScaledRecord, exact_batch
+from rocking.solvers.exact.jax_batch import carry_on_device
+from rocking.solvers.taylor.batch import (
     COUNT,
     ENDED,
     FINISHED,
@@ -27,7 +28,7 @@ from rocking.solvers.taylor_batch import (
     parameter_row,
     start_rows,
 )
-from rocking.solvers.taylor_records import LARGEST_SAMPLE, SCALE, joined
+from rocking.solvers.taylor.records import LARGEST_SAMPLE, SCALE, joined
 
 RUNS = 400
 
@@ -101,10 +102,10 @@ def test_the_program_lowers_for_a_gpu(wave: bool) -> None:
     with jax.enable_x64(True):
         table = jax.ShapeDtypeStruct((100, 6), np.float64)
         motions = jax.ShapeDtypeStruct((100, 4 if wave else 6), np.float64)
-        runs = exact_jax.Runs(table, table, motions, jax.ShapeDtypeStruct((100, 9), np.float64))
-        base = exact_jax.Base(*(jax.ShapeDtypeStruct((n,), np.float64) for n in (640, 20)))
+        runs = jax_batch.Runs(table, table, motions, jax.ShapeDtypeStruct((100, 9), np.float64))
+        base = jax_batch.Base(*(jax.ShapeDtypeStruct((n,), np.float64) for n in (640, 20)))
         whole = jax.ShapeDtypeStruct((), np.int64)
-        program = jax.export.export(exact_jax.carried, platforms=["cuda"])(runs, base, whole, wave=wave, width=128)
+        program = jax.export.export(jax_batch.carried, platforms=["cuda"])(runs, base, whole, wave=wave, width=128)
     assert program.platforms == ("cuda",)
     assert "f64" in str(program.mlir_module())
 

@@ -15,9 +15,10 @@ from rocking import Block, Method1, Method2, Mode, solve
 
 jax = pytest.importorskip("jax")
 
-from rocking.solvers import diffrax_parameters, diffrax_response  # noqa: E402
-from rocking.solvers.diffrax_parameters import parameters_for  # noqa: E402
-from rocking.solvers.diffrax_response import batch, response, sensitivity  # noqa: E402
+from rocking.solvers.diffrax import parameters as diffrax_parameters  # noqa: E402
+from rocking.solvers.diffrax import response as diffrax_response  # noqa: E402
+from rocking.solvers.diffrax.parameters import parameters_for  # noqa: E402
+from rocking.solvers.diffrax.response import batch, response, sensitivity  # noqa: E402
 
 G = 9.81
 AT = 1.6  # [s]: after four impacts and more of the runs below

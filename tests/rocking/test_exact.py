@@ -8,7 +8,7 @@ import pytest
 
 from rocking import Block, Method1, Method2, Mode, Outcome, solve
 from rocking.closed_forms import free_impact_time, half_sine_pulse, rectangular_pulse
-from rocking.solvers.exact import Exact
+from rocking.solvers.exact.solver import Exact
 from rocking.trajectory import BALANCE
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rocking import Block, Method1, solve
-from rocking.solvers.exact_batch import ExactBatchResult, RampedSines, ScaledRecord, exact_batch
+from rocking.solvers.exact.batch import ExactBatchResult, RampedSines, ScaledRecord, exact_batch
 
 BLOCK = Block(b=0.15, h=0.5)
 SYSTEM = Method1(BLOCK, form="linear")

@@ -1,0 +1,1 @@
+"""JAX and Diffrax: any system of plain functions, with forward derivatives through impacts (`response`)."""

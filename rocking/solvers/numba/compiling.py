@@ -1,0 +1,167 @@
+"""Plain functions of the physics, compiled by numba and kept on disk.
+
+numba's disk cache notices a change of the file that holds the compiled function, and no change of a function that it
+calls from another file.  So every compiled function here carries in its name a digest of all sources it may depend on:
+an edit leads to a new name, and the files of the old one are deleted.  A second process finds what the first compiled.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import sys
+import warnings
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from types import CodeType, FunctionType, ModuleType
+from typing import Any
+
+import numba
+import numpy as np
+from numba.extending import register_jitable
+
+import rocking
+from rocking.solvers.numba import namespace
+
+# Hooks are pointers in a tuple, which numba calls experimental each time that it sees them.
+warnings.filterwarnings("ignore", "First-class function type", numba.core.errors.NumbaExperimentalFeatureWarning)
+
+_njit: Any = numba.njit  # whose annotations do not know all of its options
+borrowing: Any = _njit(error_model="numpy", _nrt=False)
+"""Compile a function that neither makes arrays nor keeps one: without counting references to those that it is given.
+
+Each count is an atomic operation on memory that all threads share; in the kernels of batches they took a sixth of the
+time of one thread."""
+
+_registered: dict[FunctionType, frozenset[str]] = {}
+
+
+def make_jitable(function: Any) -> frozenset[str]:
+    """Let compiled code call a plain function and every plain function it calls; the source files of them all."""
+    if not isinstance(function, FunctionType):
+        return frozenset()
+    if function not in _registered:
+        _registered[function] = frozenset([function.__code__.co_filename])
+        register_jitable(error_model="numpy")(function)
+        called = (function.__globals__.get(name) for name in function.__code__.co_names)
+        files = [make_jitable(f) for f in called if isinstance(f, FunctionType)]
+        _registered[function] = _registered[function].union(*files)
+    return _registered[function]
+
+
+def _reach(thing: Any, files: set[str], constants: dict[str, str], seen: set[int]) -> None:
+    """Gather what compiled code takes from `thing`: source files of functions, types and modules, and constants."""
+    function = getattr(thing, "py_func", thing)
+    if id(function) in seen:
+        return
+    seen.add(id(function))
+    if isinstance(function, type | ModuleType):
+        module = sys.modules.get(function.__module__) if isinstance(function, type) else function
+        if module is not None and module.__name__.partition(".")[0] == rocking.__name__:
+            files.add(str(module.__file__))
+    elif isinstance(function, FunctionType):
+        files.add(function.__code__.co_filename)
+        cells = dict(zip(function.__code__.co_freevars, function.__closure__ or (), strict=True))
+        found = {name: function.__globals__[name] for name in _names(function.__code__) if name in function.__globals__}
+        for name, value in (found | {name: cell.cell_contents for name, cell in cells.items()}).items():
+            if isinstance(value, int | float | str | tuple | np.ndarray):
+                constants[f"{function.__module__}.{function.__qualname__}.{name}"] = repr(np.asarray(value).tolist())
+            _reach(value, files, constants, seen)
+
+
+def _names(code: CodeType) -> set[str]:
+    """Global names that a function and the functions inside it use."""
+    inner = (_names(constant) for constant in code.co_consts if isinstance(constant, CodeType))
+    return set(code.co_names).union(*inner)
+
+
+@cache
+def _content(name: str) -> bytes:
+    path = Path(name)
+    return path.read_bytes() if path.is_file() else name.encode()
+
+
+def _digest(body: Any, files: Iterable[str]) -> str:
+    """A short digest of all sources and constants that a function may depend on."""
+    reached, constants = {__file__, *files}, dict[str, str]()
+    _reach(body, reached, constants, set())
+    digest = hashlib.sha256(repr(sorted(constants.items())).encode())
+    for name in sorted(reached):
+        digest.update(_content(name))
+    return digest.hexdigest()[:12]
+
+
+def _importable(function: Any) -> bool:
+    """Whether another process finds the same function under its name, as a disk cache needs."""
+    module = sys.modules.get(function.__module__)
+    return function.__module__ != "__main__" and getattr(module, function.__name__, None) is function
+
+
+def _drop_stale(dispatcher: Any, label: str, digest: str) -> None:
+    """Delete cache files that an older version of the sources has left for the same function."""
+    folder = dispatcher.stats.cache_path
+    if folder is None:
+        return
+    older = re.compile(rf"\.{re.escape(label)}_([0-9a-f]{{12}})-")
+    for path in Path(folder).glob(f"*.{label}_*-*.nb[ci]"):
+        found = older.search(path.name)
+        if found is not None and found[1] != digest:
+            with suppress(OSError):  # another process may have deleted it, or the folder may be read-only
+                path.unlink()
+
+
+def compiled(
+    body: Any, signature: Any, label: str, files: Iterable[str] = (), keep: bool = True, parallel: bool = False
+) -> Any:
+    """`body` compiled for one signature, kept on disk under `label` and the digest of its sources.
+
+    keep=False compiles for this process alone: for functions that another process could not find by name.
+    parallel=True spreads loops over `prange` over the cores.
+    """
+    digest = _digest(body, files)
+    body.__qualname__ = f"{label}_{digest}"
+    dispatcher = numba.njit(signature, cache=keep, nogil=True, error_model="numpy", parallel=parallel)(body)
+    if keep:
+        _drop_stale(dispatcher, label, digest)
+    return dispatcher
+
+
+def bound(function: Any, arity: int, signature: Any, suffix: str = "") -> Any:
+    """`function(xp, ...)` of the physics as a compiled function of its other arguments.
+
+    suffix: added to the name, where one function is compiled for several signatures.
+    """
+    files = make_jitable(function)
+    xp = namespace
+    bodies: dict[int, Callable[..., Any]] = {
+        2: lambda a, b: function(xp, a, b),
+        4: lambda a, b, c, d: function(xp, a, b, c, d),
+        5: lambda a, b, c, d, e: function(xp, a, b, c, d, e),
+    }
+    return compiled(bodies[arity], signature, _label(function, arity) + suffix, files, keep=_importable(function))
+
+
+def bound_motion(kernel: Any, pitch: Any, signature: Any) -> Any:
+    """A motion's kernel and pitch_kernel (None: level) as one compiled function (t, par) -> four numbers."""
+    files = make_jitable(kernel) | make_jitable(pitch)
+    xp = namespace
+
+    def level(t, par):
+        a_x, a_z = kernel(xp, t, par)
+        return a_x, a_z, 0.0, 0.0
+
+    def pitching(t, par):
+        a_x, a_z = kernel(xp, t, par)
+        angle, acceleration = pitch(xp, t, par)
+        return a_x, a_z, angle, acceleration
+
+    body, parts = (level, (kernel,)) if pitch is None else (pitching, (kernel, pitch))
+    label = "_with_".join(_label(part, 2) for part in parts)
+    return compiled(body, signature, label, files, keep=all(_importable(part) for part in parts))
+
+
+def _label(function: Any, arity: int) -> str:
+    name = f"{function.__module__}.{function.__qualname__}_{arity}"
+    return name.replace(".", "_").replace("<locals>", "local")

@@ -1,0 +1,155 @@
+"""The functions of a system and of a motion, compiled for one kind of state and kept for the process.
+
+What single runs (`rocking.solvers.numba.solver`) and batches (`rocking.solvers.numba.batch`) are made of.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, NamedTuple
+
+from rocking.hybrid import Base, Discrete, Hooks
+from rocking.motion import BaseMotion, pitch_kernel
+
+
+class Size(NamedTuple):
+    """Sizes of the parameters of a system."""
+
+    floats: int
+    slots: int  # for hooks on the flow, and as many on the impact; 0 for a system without hooks
+    width: int  # numbers that each hook takes
+
+
+def motion_function(motion: BaseMotion) -> Any:
+    """The motion compiled as (t, par) -> (a_x, a_z, pitch, pitch acceleration)."""
+    return _motion_function(motion.kernel, pitch_kernel(motion))
+
+
+@cache
+def _motion_function(kernel: Any, pitch: Any) -> Any:
+    from numba import types
+
+    from rocking.solvers.numba.compiling import bound_motion
+
+    f8 = types.float64
+    return bound_motion(kernel, pitch, types.UniTuple(f8, 4)(f8, f8[::1]))
+
+
+def compiled_parameters(par: Any) -> Any:
+    """The parameters of a system as compiled functions take them: floats, and hooks as pointers."""
+    numbers = [float(value) for name, value in zip(par._fields, par, strict=True) if name != "hooks"]
+    return type(par)(*numbers, compiled_hooks(par.hooks)) if hasattr(par, "hooks") else type(par)(*numbers)
+
+
+def compiled_hooks(hooks: Hooks) -> Hooks:
+    """The functions of the hooks compiled, and their numbers as floats."""
+    accelerations = tuple(_hook(function, 5, len(hooks.values[0])) for function in hooks.accelerations)
+    restitutions = tuple(_hook(function, 4, len(hooks.values[0])) for function in hooks.restitutions)
+    values = tuple(tuple(float(value) for value in row) for row in hooks.values)
+    return hooks._replace(accelerations=accelerations, restitutions=restitutions, values=values)
+
+
+def _hook_signature(arity: int, width: int) -> Any:
+    """Of an acceleration (theta, omega, s, base, values), or of a restitution (e, omega, s, values)."""
+    from numba import types
+
+    f8 = types.float64
+    base = (types.NamedUniTuple(f8, 4, Base),) if arity == 5 else ()
+    return f8(f8, f8, f8, *base, types.UniTuple(f8, width))
+
+
+@cache
+def _hook(function: Any, arity: int, width: int) -> Any:
+    from rocking.solvers.numba.compiling import bound
+
+    return bound(function, arity, _hook_signature(arity, width), f"_{width}")
+
+
+def parameter_type(kind: Any, size: Size) -> Any:
+    """numba's type of the parameters: floats, then hooks if there are any slots for them."""
+    from numba import types
+
+    f8 = types.float64
+    if size.slots == 0:
+        return types.NamedUniTuple(f8, size.floats, kind)
+    pointers = [types.UniTuple(types.FunctionType(_hook_signature(arity, size.width)), size.slots) for arity in (5, 4)]
+    values = types.UniTuple(types.UniTuple(f8, size.width), 2 * size.slots)
+    hooks = types.NamedTuple((*pointers, values, types.int64, types.int64), Hooks)
+    return types.NamedTuple((*(f8,) * size.floats, hooks), kind)
+
+
+@cache
+def parameter_maker(kind: Any, size: Size) -> Any:
+    """Compiled (numbers, hooks, values) -> parameters of one run, from rows of tables that hold all runs.
+
+    Raises:
+        ValueError: there are more hooks than the tables are made for.
+    """
+    import numba
+    from numba.np.unsafe import ndarray
+
+    to_fixed_tuple: Any = ndarray.to_fixed_tuple
+
+    floats, width = size.floats, size.width
+
+    def without(numbers, hooks, values):
+        return kind(*to_fixed_tuple(numbers, floats))
+
+    def with_four(numbers, hooks, values):
+        rows = (
+            to_fixed_tuple(values[0], width), to_fixed_tuple(values[1], width), to_fixed_tuple(values[2], width),
+            to_fixed_tuple(values[3], width), to_fixed_tuple(values[4], width), to_fixed_tuple(values[5], width),
+            to_fixed_tuple(values[6], width), to_fixed_tuple(values[7], width),
+        )  # fmt: skip
+        own = Hooks(hooks.accelerations, hooks.restitutions, rows, hooks.pushing, hooks.striking)
+        return kind(*to_fixed_tuple(numbers, floats), own)
+
+    makers: dict[int, Any] = {0: without, 4: with_four}
+    if size.slots not in makers:
+        raise ValueError("effects: want at most 4 on the motion and 4 on the impact in a batch")
+    return numba.njit(error_model="numpy")(makers[size.slots])
+
+
+def size_of(par: Any) -> Size:
+    """How many floats, slots for hooks and numbers of a hook the parameters of a system have."""
+    hooks = getattr(par, "hooks", None)
+    return Size(len(par), 0, 0) if hooks is None else Size(len(par) - 1, len(hooks.accelerations), len(hooks.values[0]))
+
+
+@cache
+def system_functions(
+    flow: Any, guards: Any, jump: Any, balance: Any, parameters: Any, n: int, size: Size, n_guards: int
+) -> tuple[tuple[Any, ...], Any]:
+    """(flow, guards, jump, balance) compiled, and the loop compiled for them."""
+    from numba import types
+
+    from rocking.solvers.numba import kernel
+    from rocking.solvers.numba.compiling import bound, compiled, make_jitable
+
+    f8, i8 = types.float64, types.int64
+    row, state = f8[::1], types.UniTuple(f8, n)
+    q = types.NamedTuple((i8, f8, f8), Discrete)
+    base = types.NamedUniTuple(f8, 4, Base)
+    par = parameter_type(parameters, size)
+    signatures = (
+        state(row, q, base, par),
+        types.UniTuple(f8, n_guards)(row, q, base, par),
+        types.Tuple((state, q))(row, q, base, par, i8),
+        f8(row, par),
+    )
+    motion = types.UniTuple(f8, 4)(f8, row)
+    functions = tuple(
+        bound(function, arity, signature)
+        for function, arity, signature in zip((flow, guards, jump, balance), (4, 4, 5, 2), signatures, strict=True)
+    )
+    pointers = [types.FunctionType(signature) for signature in (*signatures, motion)]
+    arguments = (*pointers, row, q, par, row, row, f8, row, row, i8, i8, types.UniTuple(i8, 2))
+    label = f"integrate_{parameters.__module__}_{parameters.__qualname__}_{size.slots}_{size.width}".replace(".", "_")
+    files = make_jitable(flow) | make_jitable(guards) | make_jitable(jump) | make_jitable(balance)
+    loop = compiled(_copy(kernel.integrate), arguments, label, files)
+    return functions, loop
+
+
+def _copy(function: Any) -> Any:
+    """The same function as an object of its own, whose name may be changed."""
+    return type(function)(function.__code__, function.__globals__, function.__name__)
