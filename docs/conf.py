@@ -65,6 +65,7 @@ sphinx_gallery_conf = {
     "remove_config_comments": True,
     "download_all_examples": False,
     "show_memory": False,
+    "capture_repr": ("_repr_html_",),
     "matplotlib_animations": True,
     "reset_modules": ("matplotlib",),
     "min_reported_time": 5,

@@ -3,7 +3,8 @@ Analysing fig16.nc in xarray
 ============================
 
 ``python -m studies.fig16`` writes a dataset; every picture is a view of it. Here a small one is made, with Methods
-1 and 2 and three frequencies, and looked at without any more of this package.
+1 and 2 and three frequencies, and looked at without any more of this package. What it prints of the paper's
+statements holds for these few points alone.
 """
 
 import tempfile

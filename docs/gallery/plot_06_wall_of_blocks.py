@@ -33,15 +33,15 @@ def outlines(run, k):
 
 
 # %%
-# Three moments. The top courses go first.
+# Four moments. The top courses go first.
 
-figure, axes = plt.subplots(1, 3, figsize=(9, 2.6), sharey=True)
-for ax, share in zip(axes, (0.0, 0.6, 1.0), strict=True):
+figure, axes = plt.subplots(2, 2, figsize=(8.5, 4.6), sharex=True, sharey=True)
+for ax, share in zip(axes.flat, (0.0, 0.7, 0.85, 1.0), strict=True):
     k = round(share * (run.time.size - 1))
     moved = np.hypot(run.x[k] - run.x[0], run.z[k] - run.z[0])
     drawn = PolyCollection(outlines(run, k), array=1e3 * moved, cmap="YlOrRd", edgecolors="k", linewidths=0.6)
     drawn.set_clim(0.0, 100.0)
     ax.add_collection(drawn)
-    ax.set(xlim=(-0.4, 1.4), ylim=(0.0, 0.7), aspect="equal", title=f"{run.time[k]:.2f} s", xlabel="x [m]")
+    ax.set(xlim=(-0.4, 1.4), ylim=(0.0, 0.7), aspect="equal", title=f"{run.time[k]:.2f} s")
 figure.colorbar(drawn, ax=axes, label="moved [mm]", shrink=0.6)
 plt.show()
