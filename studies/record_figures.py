@@ -113,6 +113,7 @@ def _zoom(ax: Any, ds: xr.Dataset, marks: Sequence[tuple[float, str, str]], widt
         ax.axvline(t, color=colour, ls="--" if "read" in label else "-", lw=1.4, label=f"{label}: {t:.2f} s")
     ax.set_xlabel("Time [s]")
     ax.set_ylabel("Reading [m/s²]")
+    ax.set_ylim(-2.5 * G, 4.0 * G)  # impacts go far beyond
     ax.legend(fontsize=8, loc="lower left")
     ax.grid(alpha=0.3)
 
@@ -131,6 +132,8 @@ def figure(ds: xr.Dataset, what: str, text: str, width: float, start: float = 0.
     top.plot(shown.time, shown.base_acceleration / G, color="0.35", lw=0.5)
     top.set_ylabel("Base acceleration [g]")
     below.plot(shown.time, shown.reading, color="0.15", lw=0.4)
+    low, high = np.percentile(shown.reading, [0.02, 99.9])
+    below.set_ylim(1.3 * low - 2.0 * G, 1.3 * high + 2.0 * G)
     below.set_ylabel("Vertical reading\non the block [m/s²]")
     below.set_xlabel("Time [s]")
     at = ds.sel(frequency=ds.attrs["shown_frequency"]).isel(seed=0)
