@@ -5,11 +5,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-README = (Path(__file__).parent.parent / "README.md").read_text()
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text()
+FIRST_FIGURE = (ROOT / "docs" / "start" / "first_figure.md").read_text()
 
 
-def blocks(language):
-    return re.findall(rf"^```{language}\n(.*?)^```", README, flags=re.MULTILINE | re.DOTALL)
+def blocks(language, text=README):
+    return re.findall(rf"^```{language}\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)
 
 
 def test_there_are_two_shell_commands_one_for_fig16_and_one_for_the_tests():
@@ -30,6 +32,15 @@ def test_analysis_of_the_saved_criteria_runs_as_printed(tmp_path):
 
     out = tmp_path / "build" / "studies"
     fig16.main(["--quick", "--no-sensitivity", "--out", str(out)])
-    done = subprocess.run([sys.executable, "-c", blocks("python")[1]], capture_output=True, text=True, cwd=tmp_path)
+    # The README's, and that of the page on the first figure.
+    for code in (blocks("python")[1], blocks("python", FIRST_FIGURE)[0]):
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert "overturning_amplitude" in done.stdout
+
+
+def test_the_first_question_is_answered_as_the_readme_says():
+    (question,) = re.findall(r"`\.venv/bin/python (-m studies\.will_it_fall[^`]+)`", README)
+    done = subprocess.run([sys.executable, *question.split()], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert "overturning_amplitude" in done.stdout
+    assert done.stdout.startswith("block    0.3 x 1.8 m")
