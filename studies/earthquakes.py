@@ -147,9 +147,9 @@ def figure(ds: xr.Dataset) -> Figure:
     right.grid(alpha=0.3)
     caption(
         fig,
-        f"A column of two blocks of 15 × 50 cm and one block of its outline under {ds.sizes['seed']} synthetic motions, "
-        "by distinct elements. Notice whether the points on the right lie below the line (the column falls first); those "
-        "at the upper or right edge did not fall. Dotted: West's acceleration of the outline.",
+        f"A column of two blocks of 15 × 50 cm and one block of its outline under {ds.sizes['seed']} synthetic "
+        "motions, by distinct elements. Notice whether the points on the right lie below the line (the column falls "
+        "first); those at the upper or right edge did not fall. Dotted: West's acceleration of the outline.",
     )
     return fig
 

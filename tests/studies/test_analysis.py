@@ -1,0 +1,123 @@
+"""Datasets in the hands of users: opened, interpolated, compared, and on a page."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import studies
+from studies import _run
+from studies.compare import compared
+from studies.compare import main as compare
+from studies.index_page import write_index
+from studies.onset_figures import OnsetPlan
+from studies.overturning import Settings, overturning
+from studies.specimens import specimen
+from studies.study import Study
+
+
+def dataset(factor=1.0, frequencies=(1.0, 2.0, 3.0)):
+    f = np.array(frequencies)
+    a = {"units": "m s-2", "long_name": "amplitude"}
+    ds = xr.Dataset(
+        {"amplitude": ("frequency", factor * np.exp(f), a)}, {"frequency": ("frequency", f, {"units": "Hz"})}
+    )
+    return ds.assign(note=("frequency", ["fell"] * f.size)).assign_attrs(commit="a", settings="s")
+
+
+def test_open_finds_files_and_makes_units_plot_well(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "build" / "studies").mkdir(parents=True)
+    _run.save_dataset(dataset(), tmp_path / "build" / "studies" / "x.nc")
+    assert studies.open("x.nc").amplitude.attrs["units"] == "m/s²"
+    assert studies.open("x.nc", cf_units=True).amplitude.attrs["units"] == "m s-2"
+    with pytest.raises(FileNotFoundError, match=r"y.nc: neither there nor in build/studies"):
+        studies.open("y.nc")
+
+
+def test_criteria_are_interpolated_in_their_logarithm_and_nowhere_else():
+    a = dataset().amplitude
+    found = studies.interpolated(a, frequency=[1.5, 2.7, 3.5])
+    assert found.values[:2] == pytest.approx(np.exp([1.5, 2.7]))
+    assert math.isnan(found.values[2])
+    assert found.attrs["units"] == "m s-2"
+    gap = a.copy(data=[1.0, np.nan, 3.0])
+    assert np.isnan(studies.interpolated(gap, frequency=[1.5, 2.5])).all()
+    with pytest.raises(ValueError, match="period: want a dimension with numbers, one of frequency"):
+        studies.interpolated(a, period=1.0)
+    with pytest.raises(ValueError, match="criterion: want positive values"):
+        studies.interpolated(a - 10.0, frequency=1.5)
+
+
+def test_interpolated_criterion_is_near_a_computed_one():
+    # Where a block falls at once the criterion is smooth in frequency: a quarter of a hertz off, within 5 %.
+    settings = Settings(ramp=20.0, duration=60.0)
+    f = np.array([0.5, 0.75, 1.0])
+    a = [overturning("method1", specimen(1), x, settings).amplitude for x in f]
+    curve = xr.DataArray([a[0], a[2]], {"frequency": f[[0, 2]]}, ["frequency"])
+    assert float(studies.interpolated(curve, frequency=0.75)[0]) == pytest.approx(a[1], rel=0.05)
+
+
+def saved(tmp_path, **datasets):
+    for name, ds in datasets.items():
+        _run.save_dataset(ds, tmp_path / f"{name}.nc")
+    return [str(tmp_path / f"{name}.nc") for name in datasets]
+
+
+def test_equal_datasets_have_not_moved(tmp_path, capsys):
+    compare(saved(tmp_path, a=dataset(), b=dataset().assign_attrs(commit="b")))
+    assert "amplitude: 3 values, none moved" in capsys.readouterr().out
+
+
+def test_what_moved_is_named_with_size_and_place(tmp_path, capsys):
+    other = dataset(1.001).assign_attrs(settings="t")
+    other["amplitude"][1] = 9.0
+    with pytest.raises(SystemExit) as left:
+        compare(saved(tmp_path, a=dataset(), b=other))
+    assert left.value.code == 1
+    said = capsys.readouterr().out
+    assert "attribute settings: s -> t" in said
+    assert "amplitude: 3 of 3 values moved, by up to 0.218" in said
+    assert "at frequency=2.0: 7.38906 -> 9" in said
+
+
+def test_tolerance_gaps_texts_and_other_axes():
+    rows, _ = compared(dataset(), dataset(1.001), rtol=0.01)
+    assert all(row.moved == 0 for row in rows)
+    gone = dataset()
+    gone["amplitude"][0] = np.nan
+    gone["note"] = ("frequency", ["stands", "fell", "fell"])
+    rows, _ = compared(dataset(), gone)
+    by_name = {row.name: row for row in rows}
+    assert by_name["amplitude"].moved == 1 and "known in one alone" in by_name["amplitude"].note
+    assert by_name["note"].note == "fell -> stands"
+    rows, notes = compared(dataset(), dataset(frequencies=(1.0, 2.0, 4.0)))
+    assert "frequency: 2 values in both of 3 and 3" in notes
+    rows, notes = compared(dataset(frequencies=(1.1, 1.2)), dataset(frequencies=(1.0, 1.15, 1.3)))
+    assert "B is interpolated to 2 points of A" in notes[0]
+    assert rows[0].name == "amplitude" and rows[0].relative < 0.02
+
+
+def test_compare_refuses_what_is_no_dataset(tmp_path):
+    (tmp_path / "x.nc").write_text("none")
+    with pytest.raises(_run.BadInputError, match=r"x.nc: want a NetCDF dataset"):
+        compare([str(tmp_path / "x.nc"), str(tmp_path / "x.nc")])
+
+
+def test_page_escapes_what_it_shows_and_leaves_out_what_is_not_there(tmp_path):
+    from studies._plot import caption, new_figure
+
+    fig = new_figure(4.0, 3.0)
+    caption(fig, "a < b & <script>alert(1)</script>")
+    _run.save_figure(fig, tmp_path, "odd")
+    ds = dataset().assign_attrs(command="<b>x</b>", source="s")
+    _run.save_dataset(ds, tmp_path / "odd.nc")
+
+    def study(name):
+        return Study(name, f"{name} <i>", "about &", OnsetPlan, lambda p, q: ds, {name: lambda d: fig}, lambda d: ds)
+
+    page = write_index(tmp_path, {"odd": study("odd"), "absent": study("absent")}).read_text()
+    assert "<script>" not in page and "<b>x" not in page and "<i>" not in page
+    assert "a &lt; b &amp; &lt;script&gt;" in page
+    assert 'src="odd.png"' in page and "absent" not in page
