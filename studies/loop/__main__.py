@@ -14,7 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from studies.campaigns import CampaignError, read
-from studies.loop.closing import GRAVITY, close
+from studies.loop.closing import STANDARD_GRAVITY, close
 from studies.loop.dataset import dataset, save
 from studies.loop.finding_file import as_json, write_finding
 from studies.loop.model_file import ModelError, read_model, write_model
@@ -44,7 +44,8 @@ def _close(arguments: argparse.Namespace) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     tell = _Progress(arguments.quiet)
     if campaign.holds_outcomes_alone:
-        print(close_outcomes(campaign, folder, arguments.gravity, tell))
+        gravity = STANDARD_GRAVITY if arguments.gravity is None else arguments.gravity
+        print(close_outcomes(campaign, folder, gravity, tell))
         return
     finding = close(campaign, g=arguments.gravity, tell=tell)
     write_model(finding.before, folder / "baseline.toml", campaign.title)
@@ -55,8 +56,11 @@ def _close(arguments: argparse.Namespace) -> None:
     tree = dataset(finding)
     save(tree, folder / "loop.nc")
     write_report(finding, content, tree, folder / "report.html")
-    print(f"{content['verdict']}: {', '.join(content['effects']) or 'no effect'}; held-out error "
-          f"{finding.errors['before'].holdout:.3g} -> {finding.errors['after'].holdout:.3g} rad")  # fmt: skip
+    before, after = (finding.errors[stage].holdout for stage in ("before", "after"))
+    print(
+        f"{content['verdict']}: {', '.join(content['effects']) or 'no effect'}; "
+        f"held-out error {before:.3g} -> {after:.3g} {finding.units}"
+    )
 
 
 def _predict(arguments: argparse.Namespace) -> None:
@@ -85,7 +89,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for what is written")
     parser.add_argument("--quiet", action="store_true", help="say nothing of the progress")
     if not predicting:
-        parser.add_argument("--gravity", type=float, default=GRAVITY, metavar="G", help="m/s^2, %(default)s by default")
+        parser.add_argument(
+            "--gravity", type=float, metavar="G",
+            help=f"m/s^2; if not given {STANDARD_GRAVITY}, or what accelerometers on the block read",
+        )  # fmt: skip
     parsed = parser.parse_args(given[1:] if predicting else given)
     try:
         (_predict if predicting else _close)(parsed)

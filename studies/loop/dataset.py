@@ -20,11 +20,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from studies import _run
-from studies.campaigns import Campaign, Test
+from studies.campaigns import Test
 from studies.loop.closing import Finding
 from studies.loop.dataset_residuals import by_impact, by_stretch, of_onset
 from studies.loop.instruments import accelerations
 from studies.loop.model import LoopModel
+from studies.loop.scoring import leaning
 from studies.loop.simulation import Answer, Job
 from studies.loop.windows import Record
 
@@ -89,7 +90,7 @@ def _answers(finding: Finding) -> dict[int, tuple[Answer, Answer]]:
     setup = finding.setup
     jobs: dict[int, list[Job]] = {}
     for k, fit in enumerate((finding.before_fit, finding.after_fit)):
-        for w in (*fit.windows, *setup.whole_held):
+        for w in (*fit.windows, *leaning(setup, fit.model, setup.whole_held)):
             time = np.ascontiguousarray(setup.campaign.tests[w.test].time)
             jobs.setdefault(w.test, []).append(Job(k, w.test, time, w.start, w.theta, w.omega))
     every = [job for test in jobs for job in jobs[test]]
@@ -104,7 +105,7 @@ def _variable(dims: str, values: Any, units: str, long_name: str, **more: Any) -
 def _of_test(
     finding: Finding, test: Test, index: int, record: Record | None, answers: tuple[Answer, ...]
 ) -> xr.Dataset:
-    campaign, models = finding.setup.campaign, (finding.before, finding.after)
+    models = (finding.before, finding.after)
     data: dict[str, Any] = {}
     for axis, base in (("x", test.base_x), ("z", test.base_z)):
         if base is not None:
@@ -113,9 +114,13 @@ def _of_test(
     if test.rotation is not None:
         data["rotation"] = _variable("time", test.rotation, "rad", "measured rotation")
     if record is not None and answers:
-        data |= _rotations(record, models, answers) | _sensors(campaign, test, index, models, answers)
-        parts = (by_stretch(finding, record), by_impact(finding, record), of_onset(record, models, answers))
-        data |= {name: v for part in parts for name, v in part.items()}
+        data |= _sensors(finding, record, models, answers) | _errors(finding, test)
+        if finding.setup.by_rotation:
+            data |= _rotations(record, models, answers)
+            parts = (by_stretch(finding, record), by_impact(finding, record), of_onset(record, models, answers))
+            data |= {name: v for part in parts for name, v in part.items()}
+        else:
+            data |= _unmeasured_rotations(record, models, answers)
     time = _variable("time", test.time, "s", "time")
     attributes = {"id": test.id, "kind": test.kind, "role": role(finding, index), "number": index + 1}
     if test.motion is not None:
@@ -137,24 +142,46 @@ def _rotations(record: Record, models: tuple[LoopModel, LoopModel], answers: tup
             "time", residual, "rad", f"measured less modelled rotation, {stage}",
             comment="missing where the record is missing, on a rail, or after a fall",
         )  # fmt: skip
-        rms = math.sqrt(float(np.nanmean(residual**2)))
-        out[f"rotation_error_{stage}"] = ((), rms, {"units": "rad", "long_name": f"rms of the residual, {stage}"})
     out["rotation_noise"] = ((), record.noise, {"units": "rad", "long_name": "standard deviation of the sensor"})
     return out
 
 
+def _unmeasured_rotations(
+    record: Record, models: tuple[LoopModel, LoopModel], answers: tuple[Answer, ...]
+) -> dict[str, Any]:
+    """Rotations of the models, and what accelerometers say of the rotation through the ideal block."""
+    text = "rotation as accelerometers show it through the calibrated ideal block"
+    out: dict[str, Any] = {"rotation_estimate": _variable("time", record.rotation, "rad", text)}
+    for stage, answer in zip(STAGES, answers, strict=True):
+        out[f"rotation_{stage}"] = _variable("time", answer.theta, "rad", f"rotation of the model {stage}")
+    return out
+
+
+def _errors(finding: Finding, test: Test) -> dict[str, Any]:
+    """Rms of the residual in the campaign's own channel."""
+    return {
+        f"error_{stage}": (
+            (), finding.errors[stage].by_test.get(test.id, math.nan),
+            {"units": finding.units.replace("/s^2", " s-2"), "long_name": f"rms of the residual, {stage}"},
+        )
+        for stage in STAGES
+    }  # fmt: skip
+
+
 def _sensors(
-    campaign: Campaign, test: Test, index: int, models: tuple[LoopModel, LoopModel], answers: tuple[Answer, ...]
+    finding: Finding, record: Record, models: tuple[LoopModel, LoopModel], answers: tuple[Answer, ...]
 ) -> dict[str, Any]:
     """Accelerometers on the block, measured and modelled."""
     out: dict[str, Any] = {}
-    there = [c for c in test.channels if c.kind == "block_acceleration"]
+    there = [c for c in record.channels if c.kind == "block_acceleration"]
     for number, channel in enumerate(there, 1):
         name, about = f"block_acceleration_{number}", {"channel": channel.name}
-        measured = test.data[channel.name]
+        measured = record.recorded[record.channels.index(channel)]
         out[name] = _variable("time", measured, "m s-2", "measured acceleration on the block", **about)
+        noise = float(record.noises[record.channels.index(channel), 0])
+        out[f"{name}_noise"] = ((), noise, {"units": "m s-2", "long_name": "standard deviation of the sensor"})
         for stage, model, answer in zip(STAGES, models, answers, strict=True):
-            reading = accelerations(model, campaign, index, answer, channel)
+            reading = accelerations(model, finding.setup.simulator, record.test, answer, channel)
             text = "acceleration on the block"
             out[f"{name}_{stage}"] = _variable("time", reading, "m s-2", f"{text} of the model {stage}", **about)
             out[f"{name}_residual_{stage}"] = _variable(
@@ -169,6 +196,8 @@ def _root(finding: Finding) -> xr.Dataset:
         "verdict": finding.verdict,
         "effects": ", ".join(finding.chosen.effects),
         "noise_floor": finding.noise_floor,
+        "compared": "rotation" if finding.setup.by_rotation else "block_acceleration_1",
+        "error_units": finding.units,
     }
     return xr.Dataset(attrs=attributes)
 
@@ -212,7 +241,7 @@ def candidates(finding: Finding) -> xr.Dataset:
     data = {
         "evidence": (two, evidence, {"units": "1", "long_name": "fall of chi-square in the refit over swings"}),
         "score": (two, score, {"units": "1", "long_name": "fall of chi-square to first order, before the refit"}),
-        "holdout_error": (two, held, {"units": "rad", "long_name": "median rms error over held-out tests"}),
+        "holdout_error": (two, held, {"units": finding.units, "long_name": "median rms error over held-out tests"}),
         "not_refitted": (two, reason, {"long_name": "why it was not refitted"}),
         "onto": ("round", _texts([", ".join(r.onto.names) for r in rounds]), {"long_name": "effects there already"}),
         "effect": ("form", _texts([form.partition("[")[0] for form in forms]), {"long_name": "name of the effect"}),

@@ -9,6 +9,7 @@ from typing import Any
 
 from rocking.effects import load
 from studies.loop.closing import Finding
+from studies.loop.model import MOUNTING
 
 
 def as_json(finding: Finding, next_test: str) -> dict[str, Any]:
@@ -16,7 +17,7 @@ def as_json(finding: Finding, next_test: str) -> dict[str, Any]:
     parameters = {}
     for name, (value, low, high) in finding.intervals.items():
         effect, _, parameter = name.partition(".")
-        if parameter:
+        if parameter and effect != MOUNTING:
             units = load(effect).units.get(parameter, "1")
             parameters[name] = {"value": value, "low": low, "high": high, "units": units, "level": 0.95}
     errors = {name: {"fit": e.fit, "holdout": e.holdout} for name, e in finding.errors.items()}
@@ -26,13 +27,14 @@ def as_json(finding: Finding, next_test: str) -> dict[str, Any]:
         "parameters": parameters,
         "indistinguishable": [list(names) for names in finding.indistinguishable],
         "error": {
-            "metric": "rms rotation, median over tests",
-            "units": "rad",
+            "metric": finding.metric,
+            "units": finding.units,
             "noise_floor": finding.noise_floor,
             **errors,
         },
         "candidates": _candidates(finding),
         "restitution": finding.after.restitution,
+        "mountings": dict(finding.after.mountings),
         "held_out": [finding.setup.campaign.tests[i].id for i in finding.setup.held],
         "notes": list(finding.notes),
         "next_test": next_test,
@@ -44,6 +46,7 @@ def as_json(finding: Finding, next_test: str) -> dict[str, Any]:
 def _candidates(finding: Finding) -> list[dict[str, Any]]:
     """What was tried in the round that decided: held-out error where it was computed, fall of chi-square."""
     held = {r.trial.names[-1]: r.holdout for r in finding.rivals}
+    criteria = {r.trial.names[-1]: (r.criterion, r.whole_criterion) for r in finding.rivals}
     deciding = finding.rounds[min(max(0, len(finding.chosen.parts) - 1), len(finding.rounds) - 1)]
     rows = [
         {
@@ -51,6 +54,8 @@ def _candidates(finding: Finding) -> list[dict[str, Any]]:
             "form": t.names[-1],
             "holdout_error": held.get(t.names[-1]),
             "evidence": deciding.onto.swing.chi2 - t.swing.chi2,
+            "criterion": criteria.get(t.names[-1], (None, None))[0],
+            "whole_criterion": criteria.get(t.names[-1], (None, None))[1],
         }
         for t in deciding.trials
     ]

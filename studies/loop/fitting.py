@@ -12,13 +12,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studies.loop.model import LoopModel
-from studies.loop.simulation import Answer, Job, Simulator
+from studies.loop.observing import jobs_of, observe
+from studies.loop.simulation import Simulator
 from studies.loop.windows import Window
 
 Array = NDArray[np.float64]
@@ -49,7 +50,7 @@ class Parameter:
 
     def outer(self, number: float) -> float:
         """The parameter, within its bounds."""
-        value = math.exp(number * self.scale) if self.log else number * self.scale
+        value = math.exp(min(number * self.scale, 700.0)) if self.log else number * self.scale
         return min(max(value, self.low), self.high)
 
 
@@ -78,18 +79,15 @@ class Fit:
         return np.array([math.sqrt(float(np.mean(r * r))) for r in self.residuals])
 
 
-def _jobs(windows: Sequence[Window], model: int, d_theta: float = 0.0, d_omega: float = 0.0) -> list[Job]:
-    return [Job(model, w.test, w.times, w.start, w.theta + d_theta, w.omega + d_omega) for w in windows]
-
-
-def _residual(model: LoopModel, answer: Answer, window: Window) -> Array:
-    return np.asarray((window.data - model.reading(answer.theta)) * window.weights)
-
-
 def residuals(simulator: Simulator, model: LoopModel, windows: Sequence[Window]) -> list[Array]:
-    """Weighted residuals of every window."""
-    answers = simulator.run([model], _jobs(windows, 0))
-    return [_residual(model, a, w) for a, w in zip(answers, windows, strict=True)]
+    """Weighted residuals of every window; what cannot be compared (`observe`) counts as the noise does, 1."""
+    read = observe(simulator, [model], jobs_of(windows, 0), windows)
+    return [_compared(w, x) for x, w in zip(read, windows, strict=True)]
+
+
+def _compared(window: Window, read: Array) -> Array:
+    r = (window.data - read) * window.weights
+    return np.where(np.isnan(r), 1.0, r) if window.sides is not None else r
 
 
 @dataclass(frozen=True)
@@ -102,33 +100,51 @@ class Linear:
 
 
 def linearised(
-    simulator: Simulator, model: LoopModel, parameters: Sequence[Parameter], windows: Sequence[Window]
+    simulator: Simulator,
+    model: LoopModel,
+    parameters: Sequence[Parameter],
+    windows: Sequence[Window],
+    *,
+    central: bool = True,
 ) -> Linear:
-    """Residuals of all windows and their derivatives by central differences (one-sided at a bound)."""
-    models, sides = [model], []
+    """Residuals of all windows and their derivatives by differences: central ones, or one-sided at a bound.
+
+    central: False for one-sided differences everywhere, which cost half and serve a step of a fit.
+    """
+    weights, n = [w.weights for w in windows], len(windows)
+    models, ends = [model], []
     for p in parameters:
         at = p.inner(model.get(p.name))
-        ends = [p.outer(at + STEP), p.outer(at - STEP)]
-        sides.append(p.inner(ends[0]) - p.inner(ends[1]))
-        models += [model.changed({p.name: value}) for value in ends]
-    jobs = [job for k in range(len(models)) for job in _jobs(windows, k)]
-    for theta, omega in ((THETA_STEP, 0.0), (-THETA_STEP, 0.0), (0.0, OMEGA_STEP), (0.0, -OMEGA_STEP)):
-        jobs += _jobs(windows, 0, theta, omega)
-    answers, n = simulator.run(models, jobs), len(windows)
-    own = [model, *models[1:], model, model, model, model]
-    r = [[_residual(own[k], answers[k * n + i], w) for i, w in enumerate(windows)] for k in range(len(own))]
+        up, down = p.outer(at + STEP), p.outer(at - STEP)
+        if not central:
+            up, down = (up, p.outer(at)) if p.inner(up) > at else (p.outer(at), down)
+        place = []
+        for value in (up, down):
+            place.append(0 if value == model.get(p.name) else len(models))
+            models += [model.changed({p.name: value})] if place[-1] else []
+        ends.append((place[0], place[1], p.inner(up) - p.inner(down)))
+    jobs = [job for k in range(len(models)) for job in jobs_of(windows, k)]
+    shifts = [(THETA_STEP, 0.0), (0.0, OMEGA_STEP)]
+    shifts += [(-theta, -omega) for theta, omega in shifts] if central else []
+    for theta, omega in shifts:
+        jobs += jobs_of(windows, 0, theta, omega)
+    count = len(models) + len(shifts)
+    read = observe(simulator, models, jobs, [*windows] * count)
+    r = [[(w.data - read[k * n + i]) * weights[i] for i, w in enumerate(windows)] for k in range(count)]
+    for i in (i for i, w in enumerate(windows) if w.sides is not None):
+        # What one of the runs cannot compare, none does: a derivative would mistake it for a jump.
+        apart = np.any([np.isnan(r[k][i]) for k in range(count)], axis=0)
+        for k in range(count):
+            r[k][i] = np.where(apart, 1.0, r[k][i])
     first = len(models)
+    state = [(first, first + 2 if central else 0, THETA_STEP), (first + 1, first + 3 if central else 0, OMEGA_STEP)]
+    width = 2.0 if central else 1.0
     by_parameters = [
-        np.column_stack([(r[1 + 2 * j][i] - r[2 + 2 * j][i]) / side for j, side in enumerate(sides)])
-        if sides else np.zeros((r[0][i].size, 0))
+        np.column_stack([(r[a][i] - r[b][i]) / side for a, b, side in ends]) if ends else np.zeros((r[0][i].size, 0))
         for i in range(n)
     ]  # fmt: skip
     by_state = [
-        np.column_stack([
-            (r[first][i] - r[first + 1][i]) / (2.0 * THETA_STEP),
-            (r[first + 2][i] - r[first + 3][i]) / (2.0 * OMEGA_STEP),
-        ])
-        for i in range(n)
+        np.column_stack([(r[a][i] - r[b][i]) / (width * step) for a, b, step in state]) for i in range(n)
     ]  # fmt: skip
     return Linear(r[0], by_parameters, by_state)
 
@@ -139,16 +155,16 @@ def _weights(r: Sequence[Array], huber: float) -> Array:
     return np.minimum(1.0, huber / np.maximum(rms, 1e-30))
 
 
-def _objective(r: Sequence[Array], windows: Sequence[Window], huber: float) -> float:
-    """Huber's sum of squares by window, and the priors of the states."""
-    total = 0.0
-    for x, w in zip(r, windows, strict=True):
+def objectives(r: Sequence[Array], windows: Sequence[Window], huber: float) -> Array:
+    """Huber's sum of squares of each window, with the prior of its state."""
+    out = np.empty(len(windows))
+    for i, (x, w) in enumerate(zip(r, windows, strict=True)):
         square = float(x @ x)
         rms = math.sqrt(square / max(x.size, 1))
-        total += square if rms <= huber else x.size * (2.0 * huber * rms - huber**2)
+        out[i] = square if rms <= huber else x.size * (2.0 * huber * rms - huber**2)
         if 0.0 < w.theta_sd < math.inf:
-            total += ((w.theta - w.theta_prior) / w.theta_sd) ** 2
-    return total
+            out[i] += ((w.theta - w.theta_prior) / w.theta_sd) ** 2
+    return out
 
 
 def _free(window: Window) -> list[int]:
@@ -246,8 +262,9 @@ def fit(
     damping, converged = start_damping, False
     objective, lin = math.inf, None
     for iteration in range(iterations):
-        lin = linearised(simulator, model, parameters, windows)
-        objective = _objective(lin.residuals, windows, huber)
+        lin = linearised(simulator, model, parameters, windows, central=False)
+        each = objectives(lin.residuals, windows, huber)
+        objective = float(each.sum())
         if iteration >= 3 and objective > give_up:
             break
         weights = _weights(lin.residuals, huber)
@@ -259,14 +276,12 @@ def fit(
             actual = np.array([
                 p.inner(values[p.name]) - p.inner(model.get(p.name)) for p in parameters
             ])  # fmt: skip
-            trial_windows = _stepped(windows, back, actual)
             try:
                 trial = model.changed(values)
-                r = residuals(simulator, trial, trial_windows)
+                trial_windows, found = _better(simulator, trial, windows, _stepped(windows, back, actual), each, huber)
             except ValueError:
                 damping = max(damping, 1e-6) * 10.0
                 continue
-            found = _objective(r, trial_windows, huber)
             if found < objective:
                 accepted = True
                 break
@@ -285,6 +300,34 @@ def fit(
     return _result(simulator, model, parameters, windows, huber, converged)
 
 
+def _better(
+    simulator: Simulator, model: LoopModel, windows: Sequence[Window], stepped: Sequence[Window], before: Array,
+    huber: float,
+) -> tuple[list[Window], float]:  # fmt: skip
+    """Of each window the stepped state, or a shorter step or none where that is better, and the sum of squares.
+
+    A window whose linearisation says nothing (an impact on the wrong side of a sample) would else stop all others.
+    """
+    chosen = list(stepped)
+    each = objectives(residuals(simulator, model, chosen), chosen, huber)
+    for share in (0.25, 0.0):
+        worse = np.flatnonzero(each > before)
+        if not worse.size:
+            break
+        other = [
+            windows[i].moved(
+                windows[i].theta + share * (stepped[i].theta - windows[i].theta),
+                windows[i].omega + share * (stepped[i].omega - windows[i].omega),
+            )
+            for i in map(int, worse)
+        ]  # fmt: skip
+        found = objectives(residuals(simulator, model, other), other, huber)
+        for i, window, value in zip(worse, other, found, strict=True):
+            if value < each[i]:
+                chosen[i], each[i] = window, value
+    return chosen, float(each.sum())
+
+
 def _solve(matrix: Array, gradient: Array, damping: float) -> Array:
     if not gradient.size:
         return np.zeros(0)
@@ -301,7 +344,7 @@ def _result(
     simulator: Simulator, model: LoopModel, parameters: Sequence[Parameter], windows: list[Window], huber: float,
     converged: bool,
 ) -> Fit:  # fmt: skip
-    lin = linearised(simulator, model, parameters, windows)
+    lin = linearised(simulator, model, parameters, windows, central=False)
     weights = _weights(lin.residuals, huber)
     matrix, _, _ = _reduced(lin, windows, weights)
     joined = np.concatenate(lin.residuals) if lin.residuals else np.zeros(0)
@@ -312,7 +355,7 @@ def _result(
     if parameters:
         covariance = np.asarray(spread * np.linalg.pinv(matrix) * np.outer(scale, scale), dtype=np.float64)
     return Fit(
-        model, tuple(parameters), tuple(windows), _objective(lin.residuals, windows, huber),
+        model, tuple(parameters), tuple(windows), float(objectives(lin.residuals, windows, huber).sum()),
         math.sqrt(float(np.mean(joined**2))) if joined.size else math.nan, joined.size, covariance, converged,
         tuple(lin.residuals),
     )  # fmt: skip
@@ -374,25 +417,19 @@ def robust_covariance(simulator: Simulator, noisy: Simulator, found: Fit) -> Arr
     matrix, _, each = _reduced(lin, windows, weights)
     count = len(simulator.tests)
     draws = len(noisy.tests) // count
-    jobs = _jobs(windows, 0) + [
-        Job(0, k * count + w.test, w.times, w.start, w.theta, w.omega) for k in range(draws) for w in windows
-    ]
-    runner = Simulator.joined(simulator, noisy)
-    shifted = [Job(0, job.test + (count if i >= len(windows) else 0), *_rest(job)) for i, job in enumerate(jobs)]
-    answers = runner.run([model], shifted)
+    jobs = jobs_of(windows, 0)
+    for k in range(draws):
+        jobs += [replace(job, test=count * (k + 1) + job.test) for job in jobs_of(windows, 0)]
+    read = observe(Simulator.joined(simulator, noisy), [model], jobs, [*windows] * (draws + 1))
     meat, n = np.zeros_like(matrix), len(windows)
     for i, (w, part, weight) in enumerate(zip(windows, each, weights, strict=True)):
         sensor = (w.noise * w.weights) ** 2
-        own = part.A[: w.times.size]
+        own = part.A[: w.data.size]
         meat += weight**2 * (own.T * sensor) @ own
         for k in range(draws):
-            moved = (answers[(k + 1) * n + i].theta - answers[i].theta) * w.weights
+            moved = np.nan_to_num((read[(k + 1) * n + i] - read[i]) * w.weights)
             g = weight * (own.T @ moved)
             meat += np.outer(g, g) / draws
     inverse = np.linalg.pinv(matrix)
     scale = np.array([_slope(p, model.get(p.name)) for p in found.parameters])
     return np.asarray(inverse @ meat @ inverse * np.outer(scale, scale), dtype=np.float64)
-
-
-def _rest(job: Job) -> tuple[Array, float, float, float]:
-    return job.times, job.start, job.theta, job.omega

@@ -5,6 +5,7 @@ Status   what `baseline.toml` and `model.toml` hold; any solver that serves the 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -15,11 +16,17 @@ from rocking.effect import Effect
 from rocking.effects import base_with, compose, load, rotation_reading
 from rocking.hybrid import System
 from rocking.motion import BaseMotion
-from studies.campaigns import DeclaredBlock
+from studies.campaigns import Channel, DeclaredBlock
 
 RESTITUTION = "restitution"
 DRIFT = "restitution_drift"
 """Full name of the change of restitution from one test to the next."""
+
+GRAVITY = "gravity"
+"""Full name of the acceleration of gravity at the laboratory."""
+
+MOUNTING = "mounting"
+"""What the full names of mounting angles begin with: "mounting.CHANNEL"."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +40,8 @@ class LoopModel:
         g: gravity [m/s^2].
         drift: change of restitution from one test to the next, in the order in which they were done [1].
         number: of the test [1], counted from the first of the campaign that was learned from.
+        mountings: how far accelerometers on the block are turned from their declared axes, by channel [rad], clockwise
+            as the rotation of the block.
     """
 
     declared: DeclaredBlock
@@ -41,6 +50,7 @@ class LoopModel:
     g: float = G_STANDARD
     drift: float = 0.0
     number: int = 0
+    mountings: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def block(self) -> Block:
@@ -84,21 +94,35 @@ class LoopModel:
         """What the rotation sensor says [rad]."""
         return rotation_reading(theta, self.parts)
 
+    def axis(self, channel: Channel) -> tuple[float, float]:
+        """The sensitive axis of an accelerometer on the block as it is mounted, in the block frame, of unit length."""
+        x, z = channel.axis
+        turned = self.mountings.get(channel.name, 0.0)
+        cos, sin = math.cos(turned), math.sin(turned)
+        return x * cos + z * sin, -x * sin + z * cos
+
     def get(self, name: str) -> float:
-        """A parameter by its full name, "restitution" or "effect.parameter"."""
-        if name in (RESTITUTION, DRIFT):
-            return self.restitution if name == RESTITUTION else self.drift
+        """A parameter by its full name, "restitution", "mounting.channel" or "effect.parameter"."""
+        own = {RESTITUTION: self.restitution, DRIFT: self.drift, GRAVITY: self.g}
+        if name in own:
+            return own[name]
         effect, _, parameter = name.partition(".")
+        if effect == MOUNTING:
+            return float(self.mountings.get(parameter, 0.0))
         return float(self.effects[effect][parameter])
 
     def changed(self, values: Mapping[str, float]) -> LoopModel:
         """The model with some parameters, by full name, at other values; effects that it lacks are added."""
         effects = {name: dict(parameters) for name, parameters in self.effects.items()}
-        own = {RESTITUTION: self.restitution, DRIFT: self.drift}
+        own = {RESTITUTION: self.restitution, DRIFT: self.drift, GRAVITY: self.g}
+        mountings = dict(self.mountings)
         for name, value in values.items():
             if name in own:
                 own[name] = float(value)
                 continue
             effect, _, parameter = name.partition(".")
-            effects.setdefault(effect, {})[parameter] = float(value)
-        return replace(self, restitution=own[RESTITUTION], drift=own[DRIFT], effects=effects)
+            table = mountings if effect == MOUNTING else effects.setdefault(effect, {})
+            table[parameter] = float(value)
+        return replace(
+            self, restitution=own[RESTITUTION], drift=own[DRIFT], g=own[GRAVITY], effects=effects, mountings=mountings
+        )

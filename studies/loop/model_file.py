@@ -3,6 +3,7 @@
     [block]            as declared: breadth, height, depth [m], mass [kg] ...
     [model]            restitution [1], gravity [m/s^2]
     [effects.NAME]     parameters of each effect, SI units
+    [mountings]        by channel, how far an accelerometer on the block is turned from its declared axis [rad]
 
 Status   what was written reads back to the same bits.
 """
@@ -39,6 +40,7 @@ def write_model(model: LoopModel, path: Path, title: str = "") -> None:
             "number": model.number,
         },
         "effects": {name: dict(parameters) for name, parameters in model.effects.items()},
+        "mountings": dict(model.mountings),
     }
     part = path.with_name(path.name + ".part")
     part.write_bytes(tomli_w.dumps(content).encode())
@@ -70,6 +72,7 @@ def read_model(path: Path) -> LoopModel:
         _number(path, "model.gravity", model.get("gravity")),
         _number(path, "model.restitution_drift", model.get("restitution_drift", 0.0)),
         int(_number(path, "model.number", model.get("number", 0))),
+        _mountings(path, content.get("mountings", {})),
     )
     try:
         found.system  # noqa: B018 (refuses what does not go together)
@@ -89,6 +92,12 @@ def _number(path: Path, name: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
         raise ModelError(f"{path}: {name}={value!r}: want a number")
     return float(value)
+
+
+def _mountings(path: Path, table: Any) -> dict[str, float]:
+    if not isinstance(table, dict):
+        raise ModelError(f"{path}: mountings={table!r}: want a table of angles by channel")
+    return {name: _number(path, f"mountings.{name}", value) for name, value in table.items()}
 
 
 def _effects(path: Path, tables: Any) -> dict[str, dict[str, float]]:

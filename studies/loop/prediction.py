@@ -20,9 +20,12 @@ from studies.loop.simulation import Answer, Job, Simulator
 Array = NDArray[np.float64]
 
 
-def predict(model: LoopModel, campaign: Campaign) -> list[Answer]:
-    """The answer of the model to each test, in the order of the campaign; a free test starts from its declared lean."""
-    simulator = Simulator(campaign.tests)
+def predict(model: LoopModel, campaign: Campaign, simulator: Simulator | None = None) -> list[Answer]:
+    """The answer of the model to each test, in the order of the campaign; a free test starts from its declared lean.
+
+    simulator: of the tests of the campaign, if there is one already.
+    """
+    simulator = simulator or Simulator(campaign.tests)
     jobs = [
         Job(0, k, np.ascontiguousarray(test.time), float(test.time[0]), float(test.initial_rotation or 0.0))
         for k, test in enumerate(campaign.tests)
@@ -39,13 +42,14 @@ def write_predictions(
     """
     folder.mkdir(parents=True, exist_ok=True)
     summary = {}
-    answers = predict(model, campaign)
+    simulator = Simulator(campaign.tests)
+    answers = predict(model, campaign, simulator)
     for k, (test, answer) in enumerate(zip(campaign.tests, answers, strict=True)):
         tell(test.id)
         columns = {"rotation": np.asarray(model.reading(answer.theta))}
         for channel in campaign.channels:
             if channel.kind == "block_acceleration":
-                columns[channel.name] = accelerations(model, campaign, k, answer, channel)
+                columns[channel.name] = accelerations(model, simulator, k, answer, channel)
         _write_csv(folder / f"{test.id}.csv", test, columns, answer)
         when = answer.overturning_time
         summary[test.id] = {"overturned": answer.fell, "time": None if math.isnan(when) else when}

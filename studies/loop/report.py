@@ -21,6 +21,7 @@ from studies.loop import report_figures as figures
 from studies.loop import report_tables as tables
 from studies.loop import report_text as text
 from studies.loop.closing import TWIN, Finding
+from studies.loop.model import MOUNTING
 from studies.loop.report_names import OWN, page, parameter_units, readable
 from studies.loop.tracing import LEAST_GAIN, PAYS
 
@@ -31,7 +32,7 @@ def report(finding: Finding, content: dict[str, Any], tree: xr.DataTree) -> str:
     """The page.
 
     Args:
-        finding: what was found; where it has `learned`, terms that were learned, these are drawn.
+        finding: what was found.
         content: of loop.json.
         tree: of loop.nc.
     """
@@ -46,7 +47,7 @@ def report(finding: Finding, content: dict[str, Any], tree: xr.DataTree) -> str:
 def write_report(finding: Finding, content: dict[str, Any], tree: xr.DataTree, path: Path) -> None:
     """Write the page, whole or not at all."""
     html = report(finding, content, tree).encode("utf-8")
-    _run.write_whole(path, lambda target: target.write_bytes(html))  # type: ignore[arg-type]
+    _run.write_whole(path, lambda target: target.write_bytes(html))
 
 
 def _num(value: float | None, units: str = "1", digits: int = 3) -> Markup:
@@ -76,7 +77,7 @@ def _facts(finding: Finding, content: dict[str, Any], tree: xr.DataTree) -> dict
     tests = tables.tests_of(tree)
     rows, axis = tables.error_rows(tests)
     telling = tables.telling(tests)
-    histories = {ds.attrs["id"]: _history(ds) for ds in tests if "rotation_error_before" in ds}
+    histories = {ds.attrs["id"]: _history(ds) for ds in tests if "error_before" in ds}
     return {
         "title": campaign.title or "Untitled campaign",
         "content": content,
@@ -112,8 +113,8 @@ def _history(ds: xr.Dataset) -> dict[str, Any]:
         "id": ds.attrs["id"],
         "kind": ds.attrs["kind"],
         "role": ds.attrs["role"],
-        "before": float(ds.rotation_error_before),
-        "after": float(ds.rotation_error_after),
+        "before": float(ds.error_before),
+        "after": float(ds.error_after),
         "wide": figures.history(ds, wide=True),
         "narrow": figures.history(ds, wide=False),
     }
@@ -178,9 +179,11 @@ def _effect(name: str, content: dict[str, Any]) -> dict[str, Any]:
 
 
 def _calibrated(finding: Finding, campaign: Campaign) -> list[dict[str, Any]]:
-    """What any careful engineer tunes: restitution, as declared, before and after."""
+    """What any careful engineer tunes: restitution and mounting angles, as declared, before and after."""
     out = []
-    for name, meaning in OWN.items():
+    angles = {name: f"how far {name.partition('.')[2]} is turned from its declared axis" for name in finding.intervals
+              if name.startswith(f"{MOUNTING}.")}  # fmt: skip
+    for name, meaning in (OWN | angles).items():
         if name not in finding.intervals:
             continue
         value, low, high = finding.intervals[name]
@@ -245,6 +248,7 @@ def _rounds(finding: Finding) -> list[dict[str, Any]]:
 
 
 def _learned(finding: Finding) -> list[dict[str, Any]]:
-    found = getattr(finding, "learned", None)
-    terms = [] if found is None else list(found) if isinstance(found, list | tuple) else [found]
-    return [{"label": term.label, "description": term.description, "picture": figures.learned(term)} for term in terms]
+    return [
+        {"label": term.label, "description": term.description, "picture": figures.learned(term)}
+        for term in finding.learned
+    ]

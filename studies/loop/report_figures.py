@@ -36,7 +36,10 @@ def svg(figure: Figure) -> str:
 
 
 def history(test: xr.Dataset, *, wide: bool) -> str:
-    """Measured and modelled rotation of a test, the residuals below, and the base motion if it has one."""
+    """What was measured and modelled of a test, the residuals below, and the base motion if it has one.
+
+    That is the rotation, or the first accelerometer on the block where no rotation was measured.
+    """
     base = test.get("base_acceleration_x")
     ratios = [2.2, 1.2] + ([0.7] if base is not None else [])
     with rc_context(STYLE):
@@ -56,9 +59,9 @@ def history(test: xr.Dataset, *, wide: bool) -> str:
 
 def _moving(test: xr.Dataset) -> tuple[Array, NDArray[np.intp]]:
     """Times and indices of the samples to show: from the first to the last motion, measured or modelled, thinned."""
-    level = 8.0 * float(test.rotation_noise)
-    names = ("rotation", "rotation_before", "rotation_after")
-    moved = np.flatnonzero(np.any([np.abs(np.nan_to_num(test[name].values)) > level for name in names], axis=0))
+    noise = float(test.rotation_noise) if "rotation" in test else 1e-3
+    names = ("rotation" if "rotation" in test else "rotation_estimate", "rotation_before", "rotation_after")
+    moved = np.flatnonzero(np.any([np.abs(np.nan_to_num(test[name].values)) > 8.0 * noise for name in names], axis=0))
     size = test.sizes["time"]
     margin = max(2, size // 60)
     first, last = (int(moved[0]), int(moved[-1])) if moved.size else (0, size - 1)
@@ -67,30 +70,37 @@ def _moving(test: xr.Dataset) -> tuple[Array, NDArray[np.intp]]:
     return test.time.values[shown], shown
 
 
+def _compared(test: xr.Dataset) -> tuple[str, str]:
+    """Name of the channel to show, and what to call it."""
+    return ("rotation", "rotation [rad]") if "rotation" in test else ("block_acceleration_1", "on the block\n[m/s²]")
+
+
 def _rotations(ax: Any, test: xr.Dataset, t: Array, shown: NDArray[np.intp]) -> None:
+    name, label = _compared(test)
     # A broad line, so that a model that lies on it can be seen.
-    ax.plot(t, test.rotation.values[shown], color=MEASURED, linewidth=2.8, alpha=0.4, label="measured")
+    ax.plot(t, test[name].values[shown], color=MEASURED, linewidth=2.8, alpha=0.4, label="measured")
     for stage, colour, style in (("before", BEFORE, "--"), ("after", AFTER, "-")):
-        values = test[f"rotation_{stage}"].values[shown]
+        values = test[f"{name}_{stage}"].values[shown]
         ax.plot(t, values, style, color=colour, linewidth=1.0, label=f"model {stage}")
-    largest = float(np.nanmax(np.abs(test.rotation.values)))
-    most = max(float(np.max(np.abs(test[f"rotation_{stage}"].values[shown]))) for stage in ("before", "after"))
+    largest = float(np.nanmax(np.abs(test[name].values)))
+    most = max(float(np.max(np.abs(test[f"{name}_{stage}"].values[shown]))) for stage in ("before", "after"))
     limit = 1.15 * min(most, 2.0 * largest) if most > largest else 1.15 * largest
     ax.set_ylim(-limit, limit)
-    ax.set_ylabel("rotation [rad]")
+    ax.set_ylabel(label)
     ax.grid(alpha=0.25)
     ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False, fontsize=8.5, handlelength=1.5,
               columnspacing=1.2)  # fmt: skip
 
 
 def _residuals(ax: Any, test: xr.Dataset, t: Array, shown: NDArray[np.intp]) -> None:
+    name, _ = _compared(test)
     for stage, colour, style in (("before", BEFORE, "--"), ("after", AFTER, "-")):
-        values = test[f"rotation_residual_{stage}"].values[shown]
+        values = test[f"{name}_residual_{stage}"].values[shown]
         ax.plot(t, values, style, color=colour, linewidth=0.8)
-    seen = [test[f"rotation_residual_{stage}"].values[shown] for stage in ("before", "after")]
-    limit = 1.15 * min(float(np.nanmax(np.abs(seen))), 2.0 * float(np.nanmax(np.abs(test.rotation.values))))
+    seen = [test[f"{name}_residual_{stage}"].values[shown] for stage in ("before", "after")]
+    limit = 1.15 * min(float(np.nanmax(np.abs(seen))), 2.0 * float(np.nanmax(np.abs(test[name].values))))
     ax.set_ylim(-limit, limit)
-    ax.set_ylabel("measured\nless model\n[rad]")
+    ax.set_ylabel(f"measured\nless model\n[{'rad' if name == 'rotation' else 'm/s²'}]")
     ax.grid(alpha=0.25)
 
 

@@ -7,15 +7,19 @@ import sys
 from dataclasses import dataclass
 
 from rocking.effects import load
-from studies.loop.model import DRIFT, RESTITUTION
+from studies.loop.model import DRIFT, GRAVITY, MOUNTING, RESTITUTION
 
 _SECTION = re.compile(r"^([A-Z][a-z]*(?: [a-z]+)?)\s{2,}(\S.*)$")
 
 OWN = {
     RESTITUTION: "angular velocity after an impact over that before",
     DRIFT: "change of restitution from one test to the next",
+    GRAVITY: "acceleration of gravity, as accelerometers on the block read it",
 }
 """Parameters that belong to no effect."""
+
+OF_THE_CALIBRATION = {MOUNTING: "rad", GRAVITY: "m/s^2"}
+"""Units of what is calibrated, where it has some."""
 
 
 @dataclass(frozen=True)
@@ -57,4 +61,6 @@ def readable(name: str) -> str:
 def parameter_units(full: str) -> str:
     """Units of a parameter by its full name, "1" where it has none."""
     effect, _, parameter = full.partition(".")
+    if effect in OF_THE_CALIBRATION:
+        return OF_THE_CALIBRATION[effect]
     return load(effect).units.get(parameter, "1") if parameter else "1"

@@ -52,8 +52,8 @@ def tests_of(tree: xr.DataTree) -> list[xr.Dataset]:
 
 def error_rows(tests: list[xr.Dataset]) -> tuple[list[ErrorRow], Axis]:
     """Errors by test, and the axis on which they are drawn."""
-    seen = [ds for ds in tests if "rotation_error_before" in ds]
-    pairs = [(float(ds.rotation_error_before), float(ds.rotation_error_after)) for ds in seen]
+    seen = [ds for ds in tests if "error_before" in ds]
+    pairs = [(float(ds.error_before), float(ds.error_after)) for ds in seen]
     known = [v for pair in pairs for v in pair if v > 0.0]
     low = math.floor(math.log10(min(known))) if known else -4
     axis = Axis(low, max(math.ceil(math.log10(max(known))) if known else 0, low + 1))
@@ -118,9 +118,7 @@ def _finite(value: xr.DataArray) -> float | None:
 
 def telling(tests: list[xr.Dataset]) -> list[str]:
     """Ids of up to three tests that show the difference best: held out, forced, and free, of the largest errors."""
-    seen = sorted(
-        (ds for ds in tests if "rotation_error_before" in ds), key=lambda ds: -float(ds.rotation_error_before)
-    )
+    seen = sorted((ds for ds in tests if "error_before" in ds), key=lambda ds: -float(ds.error_before))
     wanted = (
         lambda ds: ds.attrs["role"] == HELD_OUT,
         lambda ds: ds.attrs["kind"] == "forced" and ds.attrs["role"] != HELD_OUT,

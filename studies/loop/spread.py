@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from studies.campaigns import Test
 from studies.loop.model import LoopModel
+from studies.loop.observing import observe
 from studies.loop.simulation import Job, Simulator
 from studies.loop.windows import Window
 
@@ -56,7 +57,7 @@ def variances(
     leans: Sequence[float] | None = None,
     seed: int = 1,
 ) -> list[Array]:
-    """Variance [rad^2] of the response at the samples of each window, under redrawn noise.
+    """Variance [unit of the channel squared] of the readings of each window, under redrawn noise, shape (datum,).
 
     Args:
         noisy: of `redrawn`.
@@ -73,13 +74,26 @@ def variances(
         for i, w in enumerate(windows):
             lean = 0.0 if leans is None else leans[i] * rng.standard_normal()
             jobs.append(Job(0, k * count + w.test, w.times, w.start, w.theta + lean, w.omega))
-    answers = noisy.run([model], jobs)
+    read = observe(noisy, [model], jobs, [*windows] * draws)
     n = len(windows)
     out = []
     for i, w in enumerate(windows):
-        each = np.array([answers[k * n + i].theta for k in range(draws)])
-        out.append(_smoothed(np.var(each, axis=0, ddof=1), w.times))
+        each = _variance(np.array([read[k * n + i] for k in range(draws)]))
+        # The data are stacked channel by channel.
+        channel, sample = np.divmod(w.there, w.times.size)
+        out.append(np.concatenate([
+            _smoothed(each[channel == c], w.times[sample[channel == c]]) for c in range(len(w.channels))
+        ]))  # fmt: skip
     return out
+
+
+def _variance(drawn: Array) -> Array:
+    """Variance over the draws that can be compared; 0 where fewer than two can."""
+    there = np.isfinite(drawn)
+    count = there.sum(axis=0)
+    mean = np.where(there, drawn, 0.0).sum(axis=0) / np.maximum(count, 1)
+    square = np.where(there, (drawn - mean) ** 2, 0.0).sum(axis=0)
+    return np.asarray(np.where(count > 1, square / np.maximum(count - 1, 1), 0.0))
 
 
 def _smoothed(variance: Array, times: Array) -> Array:
@@ -92,9 +106,10 @@ def _smoothed(variance: Array, times: Array) -> Array:
 
 def weighed(windows: Sequence[Window], spreads: Sequence[Array]) -> list[Window]:
     """The windows with standard deviations that hold twice the variance of the response besides the sensor's."""
-    return [replace(w, sd=np.sqrt(w.noise**2 + 2.0 * v)) for w, v in zip(windows, spreads, strict=True)]
+    own = [w.noise if w.sd is None else w.sd for w in windows]
+    return [replace(w, sd=np.sqrt(sd**2 + 2.0 * v)) for w, sd, v in zip(windows, own, spreads, strict=True)]
 
 
 def floor(window: Window, variance: Array) -> float:
-    """Root mean square [rad] that the true model would score: sensor noise and what redrawn noise does."""
-    return math.sqrt(window.noise**2 + float(np.mean(variance)))
+    """Root mean square that the true model would score: sensor noise and what redrawn noise does."""
+    return math.sqrt(float(np.mean(window.noise**2 + variance)))

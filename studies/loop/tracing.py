@@ -17,8 +17,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from studies.loop.candidates import Candidate, candidates
-from studies.loop.fitting import Fit, Parameter, fit, gains
-from studies.loop.model import RESTITUTION, LoopModel
+from studies.loop.fitting import HUBER, Fit, Parameter, fit, gains, objectives
+from studies.loop.model import GRAVITY, MOUNTING, RESTITUTION, LoopModel
 from studies.loop.simulation import Simulator
 from studies.loop.windows import Window
 
@@ -34,7 +34,19 @@ SHORTLIST = 8
 NEAR = 0.02
 """What near means: this share of the best score."""
 
+SOME = 50
+"""Windows on which starts are compared."""
+
+NOTHING = 0.05
+"""A gain on some of the windows below this share of `PAYS` promises nothing."""
+
+HOPEFUL = 0.3
+"""A candidate is fitted to the end if it leaves no more than this share of the best one's gain."""
+
 E = Parameter(RESTITUTION, 0.01, 0.02, 1.0)
+
+G = Parameter(GRAVITY, 0.003, 9.76, 9.84)
+"""Gravity as it is anywhere on Earth."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +57,7 @@ class Trial:
     parts: tuple[Candidate, ...]
     swing: Fit
     score: float = math.nan  # score of the last one added, before its refit
+    calibrated: tuple[Parameter, ...] = (E,)  # what is fitted without any effect
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -53,8 +66,17 @@ class Trial:
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """All that is fitted but restitution."""
+        """All that is fitted of the effects."""
         return tuple(p for part in self.parts for p in part.parameters)
+
+    @property
+    def every(self) -> tuple[Parameter, ...]:
+        """All that is fitted: of the calibration, then of the effects."""
+        return (*self.calibrated, *self.parameters)
+
+    def with_(self, part: Candidate, swing: Fit, score: float = math.nan) -> Trial:
+        """The trial with one more effect, fitted."""
+        return Trial((*self.names, part.name), (*self.parts, part), swing, score, self.calibrated)
 
 
 @dataclass
@@ -81,11 +103,20 @@ def pays(without: Fit, found: Fit) -> bool:
     return without.chi2 - found.chi2 > PAYS * max(1.0, found.chi2 / max(found.samples, 1))
 
 
-def baseline(simulator: Simulator, model: LoopModel, windows: Sequence[Window]) -> Trial:
-    """Restitution and the states alone: what a careful engineer would calibrate anyway."""
+def baseline(simulator: Simulator, model: LoopModel, windows: Sequence[Window], *, gravity: bool = False) -> Trial:
+    """Restitution, mounting angles and the states alone: what a careful engineer would calibrate anyway.
+
+    gravity: whether the acceleration of gravity is fitted too, since accelerometers read it.
+    """
+    calibrated = (E, *(mounting(name) for name in model.mountings), *([G] if gravity else []))
     starts = sorted({model.restitution, 0.85, 0.93})
-    fits = [fit(simulator, model.changed({RESTITUTION: e}), [E], windows) for e in starts]
-    return Trial((), (), min(fits, key=lambda f: f.chi2))
+    fits = [fit(simulator, model.changed({RESTITUTION: e}), calibrated, windows) for e in starts]
+    return Trial((), (), min(fits, key=lambda f: f.chi2), calibrated=calibrated)
+
+
+def mounting(channel: str) -> Parameter:
+    """The mounting angle of an accelerometer as something to fit."""
+    return Parameter(f"{MOUNTING}.{channel}", 0.01, -0.5, 0.5)
 
 
 def search(
@@ -95,7 +126,10 @@ def search(
     tell: Callable[[str], None] = lambda text: None,
     repeated: bool = False,
 ) -> Round:
-    """Refit every candidate that may pay on top of a trial.
+    """Refit every candidate that may pay on top of a trial, those that lead nowhere not to the end.
+
+    All starts are tried on some of the windows, the best of each candidate on all of them, and those that come near the
+    best of all are fitted until they converge.
 
     repeated: whether an effect that is there already may be tried in another form.
     """
@@ -105,19 +139,19 @@ def search(
     ranked = sorted(scores.items(), key=lambda item: -item[1])
     enough = NEAR * ranked[0][1] if ranked else 0.0
     chosen = {name for k, (name, score) in enumerate(ranked) if k < SHORTLIST or score > enough}
+    begun = []
     for candidate in open_to_it:
         if candidate.smooth and candidate.name not in chosen:
             found.skipped[candidate.name] = f"score {scores.get(candidate.name, 0.0):.3g}"
             continue
         tell(candidate.name)
-        best = _refitted(simulator, onto, candidate)
-        if isinstance(best, str):
-            found.skipped[candidate.name] = best
+        first = _begun(simulator, onto, candidate)
+        if isinstance(first, str):
+            found.skipped[candidate.name] = first
         else:
-            trial = Trial(
-                (*onto.names, candidate.name), (*onto.parts, candidate), best, scores.get(candidate.name, math.nan)
-            )
-            found.trials.append(trial)
+            begun.append((candidate, first))
+    ended = _ended(simulator, onto, begun, tell)
+    found.trials += [onto.with_(c, swing, scores.get(c.name, math.nan)) for c, swing in ended]
     return found
 
 
@@ -126,32 +160,59 @@ def _scores(simulator: Simulator, onto: Trial, smooth: Sequence[Candidate]) -> d
     out: dict[str, float] = {}
     for c in smooth:
         try:
-            with_it = model.changed(c.absent(model.declared) if c.effect not in onto.effects else c.nothing)
+            with_it = model.changed(_nothing(onto, c))
             out |= gains(simulator, onto.swing, {c.name: c.parameters}, {c.name: with_it})
         except ValueError:
             out[c.name] = math.inf  # it cannot be had at nothing: only a refit can tell
     return out
 
 
-def _refitted(simulator: Simulator, onto: Trial, candidate: Candidate) -> Fit | str:
-    """The best of the fits from all starts, or why there is none."""
+def _nothing(onto: Trial, candidate: Candidate) -> dict[str, float]:
+    """Parameters of the candidate at which it adds nothing to a trial."""
+    return candidate.nothing if candidate.effect in onto.effects else candidate.absent(onto.swing.model.declared)
+
+
+def _begun(simulator: Simulator, onto: Trial, candidate: Candidate) -> Fit | str:
+    """The best of the fits from all starts after a few steps, on all windows, or why there is none."""
+    every = max(1, len(onto.swing.windows) // SOME)
+    some = onto.swing.windows[::every]
+    parameters = [*onto.every, *candidate.parameters]
     best: Fit | None = None
     reason = "no start led anywhere"
-    parameters = [E, *onto.parameters, *candidate.parameters]
-    for start in candidate.starts:
+    nothing = _nothing(onto, candidate)
+    for start in (*candidate.starts, *([nothing] if candidate.smooth else [])):
         try:
-            found = fit(
-                simulator, onto.swing.model.changed({**candidate.fixed, **start}), parameters, onto.swing.windows,
-                iterations=12, give_up=2.0 * onto.swing.chi2,
-            )  # fmt: skip
+            model = onto.swing.model.changed({**candidate.fixed, **start})
+            found = fit(simulator, model, parameters, some, iterations=3)
         except ValueError as refusal:
             reason = str(refusal)
             continue
         if best is None or found.chi2 < best.chi2:
             best = found
-        if candidate.smooth and best.converged and best.chi2 < 0.98 * onto.swing.chi2:
-            break
-    return reason if best is None else best
+    if best is None:
+        return reason
+    before = float(objectives(onto.swing.residuals[::every], some, HUBER).sum())
+    promising = best.chi2 < before - NOTHING * PAYS
+    return fit(simulator, best.model, parameters, onto.swing.windows, iterations=4 if promising else 1)
+
+
+def _ended(
+    simulator: Simulator, onto: Trial, begun: Sequence[tuple[Candidate, Fit]], tell: Callable[[str], None]
+) -> list[tuple[Candidate, Fit]]:
+    """The candidates with their fits, those that come near the best of all until they converge."""
+    if not begun:
+        return []
+    lowest = min(first.chi2 for _, first in begun)
+    near = lowest + max(HOPEFUL * (onto.swing.chi2 - lowest), PAYS)
+    out = []
+    for candidate, first in begun:
+        if first.converged or first.chi2 > near:
+            out.append((candidate, first))
+            continue
+        tell(f"{candidate.name}, to the end")
+        swing = fit(simulator, first.model, first.parameters, first.windows, iterations=12)
+        out.append((candidate, swing if swing.chi2 <= first.chi2 else first))
+    return out
 
 
 def all_candidates(model: LoopModel) -> tuple[Candidate, ...]:

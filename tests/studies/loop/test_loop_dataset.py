@@ -68,7 +68,7 @@ def test_measured_less_modelled_is_the_residual_and_its_rms_the_error(saved, til
             rms = math.sqrt(float(np.nanmean(residual**2)))
             # `studies.loop.closing.errors` computes the error from the windows, which hold the finite samples alone.
             assert rms == pytest.approx(tilted.errors[stage].by_test[ds.attrs["id"]], rel=1e-9)
-            assert rms == pytest.approx(float(ds[f"rotation_error_{stage}"]), rel=1e-12)
+            assert rms == pytest.approx(float(ds[f"error_{stage}"]), rel=1e-12)
 
 
 def test_residual_torque_shows_the_tilt_before_and_noise_after(saved):

@@ -3,7 +3,6 @@
 import dataclasses
 import re
 from html.parser import HTMLParser
-from types import SimpleNamespace
 
 import found
 import numpy as np
@@ -125,20 +124,25 @@ def test_pictures_have_a_text_instead(made):
     assert all(attrs["alt"] for attrs in pictures)
 
 
+# The finding is a tilt's, retold as one that had to be learned: a torque in the rotation and its band.
 def test_unexplained_with_a_learned_term(tmp_path):
-    x = np.linspace(-0.2, 0.2, 30)
-    term = SimpleNamespace(
-        label="Spring <odd>", description="stiffens", x=x, y=x**3, low=x**3 - 1e-3, high=x**3 + 1e-3,
-        x_label="rotation [rad]", y_label="torque [rad/s²]",
+    finding = found.tilted()
+    settled = dataclasses.replace(
+        finding.settled, names=("learned_term.spring",), covariance=np.array([[0.04]]),
+        whole=dataclasses.replace(
+            finding.settled.whole, model=finding.after.changed({"learned_term.spring": 0.8})
+        ),
     )  # fmt: skip
-    finding = dataclasses.replace(found.tilted(), verdict="unexplained")
-    object.__setattr__(finding, "learned", term)
+    finding = dataclasses.replace(finding, verdict="unexplained", settled=settled)
+    [curve] = finding.learned
+    np.testing.assert_allclose(curve.y, 0.8 * curve.x)
+    np.testing.assert_allclose(curve.high - curve.low, 2.0 * 1.96 * 0.2 * np.abs(curve.x), atol=1e-12)
     content = as_json(finding, "")
     write_report(finding, content, dataset(finding), tmp_path / "report.html")
     assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
     seen = Page((tmp_path / "report.html").read_text(encoding="utf-8"))
     assert "learned" in seen.ids
-    assert "Spring <odd>" in seen.text["found"]
+    assert "Torque against rotation" in seen.text["found"]
     assert "no effect known to this program explains" in seen.text["verdict"]
     assert "None is proposed" in seen.text["next"]
 

@@ -1,0 +1,121 @@
+"""What a learned term looks like: each of its parts as a curve with its 95 % band, over what was measured.
+
+Status   the coefficients enter linearly, so that a band follows from their covariance.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studies.loop.learning import LEARNED
+from studies.loop.model import DRIFT
+from studies.loop.preparing import Setup
+from studies.loop.settling import Settled
+
+Array = NDArray[np.float64]
+
+POINTS = 121
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A part of a learned term: `y` against `x` with the ends of its 95 % band, arrays of shape (point,)."""
+
+    label: str
+    description: str
+    x: Array
+    y: Array
+    low: Array
+    high: Array
+    x_label: str
+    y_label: str
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Coefficients that act along one axis, each with its function of x."""
+
+    label: str
+    description: str
+    x_label: str
+    y_label: str
+    functions: Mapping[str, Callable[[Array], Array]]
+
+
+TORQUE = "angular acceleration [rad/s²]"
+
+PARTS = {
+    "rotation": _Part(
+        "Torque against rotation", "An angular acceleration beyond that of the model without the term, at no speed.",
+        "rotation [rad]", TORQUE,
+        {"bias": np.ones_like, "side": np.sign, "spring": lambda x: x, "cubic": lambda x: x**3},
+    ),
+    "speed": _Part(
+        "Torque against speed", "The same for a block that leans to +x and turns with that speed.",
+        "angular velocity [rad/s]", TORQUE,
+        {
+            "friction": lambda x: x / np.hypot(x, 0.01), "damping": lambda x: x, "side_damping": lambda x: x,
+            "drag": lambda x: np.abs(x) * x, "cubic_damping": lambda x: x**3,
+        },
+    ),
+    "base": _Part(
+        "Torque against base acceleration", "An angular acceleration in step with the base.",
+        "base acceleration [m/s²]", TORQUE, {"base": lambda x: x},
+    ),
+    "impact": _Part(
+        "Restitution against impact speed",
+        "What is added to the restitution; speeds above zero are those of impacts from the +x side.",
+        "angular velocity before the impact, signed by side [rad/s]", "change of restitution [1]",
+        {
+            "restitution_side": np.sign, "restitution_speed": np.abs, "restitution_square": lambda x: x**2,
+        },
+    ),
+}  # fmt: skip
+
+
+def curves(setup: Setup, settled: Settled) -> tuple[Curve, ...]:
+    """The parts of a learned term that a finding holds; none if nothing was learned."""
+    held = {name: k for k, name in enumerate(settled.names)}
+    found = []
+    for key, part in PARTS.items():
+        own = {f"{LEARNED}.{name}": function for name, function in part.functions.items()}
+        own = {name: function for name, function in own.items() if name in held}
+        if own:
+            found.append(_curve(part, own, held, settled, np.linspace(-1.0, 1.0, POINTS) * _reach(setup, key)))
+    if DRIFT in held:
+        part = _Part(
+            "Restitution against the number of the test", "What is added to the restitution as the campaign goes on.",
+            "tests done before", "change of restitution [1]", {},
+        )  # fmt: skip
+        x = np.arange(len(setup.campaign.tests), dtype=np.float64)
+        found.append(_curve(part, {DRIFT: lambda x: x}, held, settled, x))
+    return tuple(found)
+
+
+def _curve(
+    part: _Part, own: Mapping[str, Callable[[Array], Array]], held: Mapping[str, int], settled: Settled, x: Array
+) -> Curve:
+    rows = np.array([function(x) for function in own.values()])
+    places = [held[name] for name in own]
+    y = rows.T @ np.array([settled.whole.model.get(name) for name in own])
+    covariance = settled.covariance[np.ix_(places, places)]
+    half = 1.96 * np.sqrt(np.maximum(np.einsum("ki,kl,li->i", rows, covariance, rows), 0.0))
+    return Curve(part.label, part.description, x, y, y - half, y + half, part.x_label, part.y_label)
+
+
+def _reach(setup: Setup, key: str) -> float:
+    """How far the campaign went along an axis."""
+    rotation = max(float(np.nanmax(np.abs(record.rotation))) for record in setup.records)
+    if key == "rotation":
+        return rotation
+    if key == "base":
+        bases = [t.base_x for t in setup.campaign.tests if t.base_x is not None]
+        return max((float(np.nanmax(np.abs(base))) for base in bases), default=1.0)
+    speeds = [abs(impact.before) for record in setup.records for impact in record.found.impacts]
+    speeds = [speed for speed in speeds if math.isfinite(speed)]
+    return max(speeds, default=setup.campaign.block.p() * rotation)

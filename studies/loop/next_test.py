@@ -1,0 +1,144 @@
+"""The one further test that would best settle what is still open.
+
+Among tests that a laboratory could do at once (releases from other leans and on the other side, motions of the campaign
+at another size), that in which two models differ most against the noise: the two that cannot be told apart, or the
+nearest rival, or the model with its least certain parameter at the ends of its interval.
+
+Status   a difference after a fall of one of them counts as `FALL`, since a laboratory would rather not break the block.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studies.campaigns import Test
+from studies.loop.closing import Finding
+from studies.loop.model import LoopModel
+from studies.loop.report_names import readable
+from studies.loop.simulation import Job, Simulator
+
+Array = NDArray[np.float64]
+
+LEANS = (0.3, 0.6, 0.9)
+"""Of the tilt of unstable balance."""
+
+SIZES = (0.7, 1.4, 2.0)
+"""Factors on the motions of the campaign."""
+
+DURATION, STEP = 8.0, 0.005
+"""Of a free test [s]."""
+
+FALL = 0.05
+"""Most that a difference counts [rad]."""
+
+
+@dataclass(frozen=True)
+class _Proposal:
+    words: str
+    test: Test
+    lean: float  # [rad]
+
+
+@dataclass(frozen=True)
+class _Question:
+    """Two models between which a test is to decide, and what to call them."""
+
+    models: tuple[LoopModel, LoopModel]
+    words: str
+
+
+def next_test(finding: Finding) -> str:
+    """A sentence: what to do next, which models it tells apart, and how clearly."""
+    question = _question(finding)
+    if question is None:
+        return (
+            "Nothing is open between the effects that were tried; larger leans and motions than those of the campaign "
+            "would show effects that act at large rotation only."
+        )
+    proposals = _proposals(finding)
+    simulator = Simulator([p.test for p in proposals])
+    jobs = [
+        Job(m, k, np.ascontiguousarray(p.test.time), float(p.test.time[0]), p.lean)
+        for m in range(2)
+        for k, p in enumerate(proposals)
+    ]
+    answers = simulator.run(question.models, jobs)
+    n = len(proposals)
+    noise = _noise(finding)
+    apart = [
+        _difference(question.models, answers[k].theta, answers[n + k].theta)
+        for k in range(n)
+    ]  # fmt: skip
+    k = int(np.argmax(apart))
+    return (
+        f"{proposals[k].words}: {question.words} then differ by {apart[k]:.2g} rad rms, "
+        f"{apart[k] / noise:.0f} times the noise."
+    )
+
+
+def _question(finding: Finding) -> _Question | None:
+    if finding.verdict == "unexplained":
+        return _Question(
+            (finding.before, finding.after), "the calibrated ideal block and the model with what was learned"
+        )
+    if len(finding.rivals) > 1:
+        first, second = finding.rivals[:2]
+        words = f"{_named(first.trial.names)} and {_named(second.trial.names)}"
+        return _Question((first.whole.model, second.whole.model), words)
+    widest, ratio = "", 0.0
+    for name, (value, low, high) in finding.intervals.items():
+        if name.partition(".")[0] in finding.chosen.effects and value != 0.0 and (high - low) / abs(value) > ratio:
+            widest, ratio = name, (high - low) / abs(value)
+    if widest:
+        _, low, high = finding.intervals[widest]
+        models = (finding.after.changed({widest: low}), finding.after.changed({widest: high}))
+        return _Question(models, f"the ends of the interval of {readable(widest)}")
+    tried = [trial for tried in finding.rounds[:1] for trial in tried.trials]
+    if not tried:
+        return None
+    best = max(tried, key=lambda trial: -trial.swing.chi2)
+    return _Question(
+        (finding.after, best.swing.model),
+        f"the ideal block and the one with {readable(best.names[-1]).lower()} (of all effects the one that the data "
+        "leave most room for)",
+    )
+
+
+def _named(names: tuple[str, ...]) -> str:
+    return " with ".join(readable(name).lower() for name in names) or "the ideal block"
+
+
+def _proposals(finding: Finding) -> list[_Proposal]:
+    campaign = finding.setup.campaign
+    alpha = campaign.block.alpha
+    time: Array = STEP * np.arange(round(DURATION / STEP) + 1, dtype=np.float64)
+    out = []
+    for share in LEANS:
+        for side, name in ((1.0, "+x"), (-1.0, "-x")):
+            lean = side * share * alpha
+            words = f"Release the block from {abs(lean):.2g} rad on its {name} side"
+            out.append(_Proposal(words, Test("", "free", time, initial_rotation=lean), lean))
+    for test in campaign.tests:
+        channel = test.channel("base_acceleration_x")
+        if test.kind != "forced" or channel is None:
+            continue
+        for size in SIZES:
+            data = {c.name: size * test.data[c.name] for c in test.channels if c.kind.startswith("base_")}
+            own = tuple(c for c in test.channels if c.name in data)
+            words = f"Repeat the motion of {test.id} at {size:g} of its size"
+            out.append(_Proposal(words, replace(test, channels=own, data=data, overturned=None), 0.0))
+    return out
+
+
+def _noise(finding: Finding) -> float:
+    return float(np.median([record.noise for record in finding.setup.records]))
+
+
+def _difference(models: tuple[LoopModel, LoopModel], one: Array, other: Array) -> float:
+    """Rms difference of what the sensor reads [rad]."""
+    apart = np.asarray(models[0].reading(one)) - np.asarray(models[1].reading(other))
+    return math.sqrt(float(np.mean(np.clip(apart, -FALL, FALL) ** 2)))

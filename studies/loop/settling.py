@@ -1,0 +1,105 @@
+"""Fits over whole records, and the parameters on which swings and whole records agree.
+
+Status   the intervals' coverage is measured on campaigns with planted effects (benchmarks/loop.py).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studies.loop.fitting import Fit, Parameter, fit, residuals, robust_covariance
+from studies.loop.model import LoopModel
+from studies.loop.preparing import Setup
+from studies.loop.spread import variances, weighed
+from studies.loop.tracing import Trial
+
+Array = NDArray[np.float64]
+
+
+def whole_fit(setup: Setup, trial: Trial, weights_of: Fit | None = None) -> Fit:
+    """The trial refitted on whole records, weighed by what base noise does; the leans alone if that is no better.
+
+    weights_of: a fit on whole records whose standard deviations are used; own ones if not given.
+    """
+    model = trial.swing.model
+    if weights_of is None:
+        spreads = variances(setup.noisy, len(setup.campaign.tests), model, setup.whole)
+        windows = weighed(setup.whole, spreads)
+    else:
+        windows = [replace(w, sd=o.sd) for w, o in zip(setup.whole, weights_of.windows, strict=True)]
+    leans = fit(setup.simulator, model, [], windows, huber=10.0, iterations=4)
+    full = fit(setup.simulator, model, trial.every, leans.windows, huber=10.0, iterations=8)
+    if full.chi2 >= leans.chi2 or not _still_fits(setup, trial, full.model):
+        return leans
+    return full
+
+
+def _still_fits(setup: Setup, trial: Trial, model: LoopModel) -> bool:
+    """Whether parameters from whole records serve the swings too: else that fit is stuck elsewhere."""
+    there = fit(setup.simulator, model, [], trial.swing.windows, iterations=3)
+    return there.chi2 - trial.swing.chi2 < 30.0 + 0.01 * trial.swing.chi2
+
+
+@dataclass(frozen=True)
+class Settled:
+    """The parameters that swings and whole records agree on, with their covariance."""
+
+    whole: Fit  # whole records with these parameters, leans fitted
+    names: tuple[str, ...]
+    covariance: Array
+
+
+def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
+    """Estimates from swings and from whole records put together, each by its robust covariance.
+
+    Whole records are the sharper the longer they run, and the more the noise of the base sensor is in them.
+    """
+    parameters = trial.every
+    names = tuple(p.name for p in parameters)
+    # Whole records of accelerometers hang too finely on when the side changes for a covariance to say how finely.
+    fits = [f for f in ((trial.swing, whole) if setup.by_rotation else (trial.swing,)) if f.parameters]
+    covariances = [robust_covariance(setup.simulator, setup.noisy, f) for f in fits]
+    scale = np.array([p.scale * (f_value if p.log else 1.0) for p, f_value in _at(parameters, whole.model)])
+    total, weighted = np.zeros((len(names), len(names))), np.zeros(len(names))
+    for found, covariance in zip(fits, covariances, strict=True):
+        # Parameters that a fit does not have, or does not show, have no information in it.
+        own = [names.index(p.name) for p in found.parameters]
+        seen = [k for k in range(len(own)) if covariance[k, k] > 0.0]
+        at = np.array([own[k] for k in seen], dtype=int)
+        part = covariance[np.ix_(seen, seen)] / np.outer(scale[at], scale[at])
+        information = np.linalg.pinv(part, rcond=1e-14)
+        total[np.ix_(at, at)] += information
+        weighted[at] += information @ (np.array([found.model.get(names[k]) for k in at]) / scale[at])
+    joint = np.linalg.pinv(total, rcond=1e-14)
+    both = scale * (joint @ weighted)
+    known = {p.name: min(max(float(v), p.low), p.high) for p, v in zip(parameters, both, strict=True)}
+    model = whole.model.changed(known)
+    leans = fit(setup.simulator, model, [], whole.windows, huber=10.0, iterations=4)
+    return Settled(leans, names, np.asarray(joint * np.outer(scale, scale), dtype=np.float64))
+
+
+def _at(parameters: Sequence[Parameter], model: LoopModel) -> list[tuple[Parameter, float]]:
+    return [(p, abs(model.get(p.name))) for p in parameters]
+
+
+def rms_under(setup: Setup, found: Fit, weights_of: Fit) -> float:
+    """Weighted rms of one fit under the weights of another."""
+    windows = [replace(w, sd=o.sd) for w, o in zip(found.windows, weights_of.windows, strict=True)]
+    joined = np.concatenate(residuals(setup.simulator, found.model, windows))
+    return math.sqrt(float(np.mean(joined**2)))
+
+
+def intervals(chosen: Trial, settled: Settled) -> dict[str, tuple[float, float, float]]:
+    """Value and 95 % interval of each parameter, with what the base sensor's noise does to it."""
+    bounds = {p.name: p for p in (*chosen.swing.parameters, *chosen.every)}
+    out = {}
+    for k, name in enumerate(settled.names):
+        value = settled.whole.model.get(name)
+        half = 1.96 * math.sqrt(max(float(settled.covariance[k, k]), 0.0))
+        out[name] = (value, max(value - half, bounds[name].low), min(value + half, bounds[name].high))
+    return out
