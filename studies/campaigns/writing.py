@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import math
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -39,9 +40,9 @@ def write(campaign: Campaign, folder: str | Path, *, compressed: bool = False) -
         data = _csv(test).encode("utf-8")
         # No time stamp: the same campaign gives the same bytes.
         packed = gzip.compress(data, mtime=0) if compressed else data
-        write_whole(folder / f"{test.id}{ending}", lambda target, packed=packed: target.write_bytes(packed))  # type: ignore[misc]
+        write_whole(folder / f"{test.id}{ending}", partial(Path.write_bytes, data=packed))
     text = tomli_w.dumps(_toml(campaign, ending)).encode("utf-8")
-    write_whole(folder / FILE, lambda target: target.write_bytes(text))  # type: ignore[arg-type]
+    write_whole(folder / FILE, lambda target: target.write_bytes(text))
     return folder / FILE
 
 

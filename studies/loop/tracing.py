@@ -5,7 +5,7 @@ that have no derivative at nothing, are refitted in full over windows of one swi
 goes on from there, until the next does not pay.  Effects that swings do not show are scanned on whole records.
 
 Source   score (Lagrange multiplier) test: Rao (1948).
-Status   thresholds `PAYS` and `LEAST_GAIN`; benchmarks/loop.py measures how often they find something in nothing.
+Status   thresholds `PAYS` and `LEAST_GAIN`; studies/loop_trials.py measures how often they find something in nothing.
 """
 
 from __future__ import annotations

@@ -9,14 +9,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy
-from laboratory import contact, event, slip, table
-from laboratory.effects import Lab
-from laboratory.instruments import point_acceleration
-from laboratory.parameters import G, housner, uniform
 from scipy.integrate import quad
 
 from rocking import Block, Method1, solve
 from rocking.effects import load
+from studies.laboratory import contact, event, slip, table
+from studies.laboratory.effects import Lab
+from studies.laboratory.instruments import point_acceleration
+from studies.laboratory.parameters import G, housner, uniform
 
 BREADTH, HEIGHT, RESTITUTION, LEAN = 0.2, 0.6, 0.92, 0.16
 BLOCK = Block(BREADTH, HEIGHT)

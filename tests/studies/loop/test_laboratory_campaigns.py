@@ -6,17 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from laboratory.campaign import make_campaign
-from laboratory.effects import NAMED, UNNAMED, Lab, draw
-from laboratory.judge import check, coverage, judge, tracing
-from laboratory.outcomes import make_outcomes
-from laboratory.parameters import G, uniform
-from laboratory.plans import Plan, respond, worn
-from laboratory.prediction import errors, predicted, rms
-from laboratory.table import ramp
-from laboratory.truth import read_truth
 
 from studies.campaigns import read
+from studies.laboratory.campaign import make_campaign
+from studies.laboratory.effects import NAMED, UNNAMED, Lab, draw
+from studies.laboratory.judge import check, coverage, judge, tracing
+from studies.laboratory.outcomes import make_outcomes
+from studies.laboratory.parameters import G, uniform
+from studies.laboratory.plans import Plan, respond, worn
+from studies.laboratory.prediction import errors, predicted, rms
+from studies.laboratory.table import ramp
+from studies.laboratory.truth import read_truth
 
 
 @pytest.fixture(scope="module")

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
-from laboratory.outcomes import make_outcomes
 
 from rocking.effects import available
 from studies.campaigns import Campaign, CampaignError, Channel, Conditions, DeclaredBlock, Test, read, write
+from studies.laboratory.outcomes import make_outcomes
 from studies.loop import outcomes
 from studies.loop.__main__ import main
 from studies.loop.model import LoopModel

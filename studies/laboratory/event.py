@@ -332,4 +332,6 @@ def simulate(world: World, felt: np.ndarray, h: float, every: int, theta0: float
     n = felt.shape[0] // every + 1
     out, hits = np.full((n, 3), np.nan), np.zeros((5000, 3))
     count, fell = run(felt, h, every, theta0, world.vector(), out, hits)
-    return Response(h * every * np.arange(n), *out.T.copy(), hits[:count].copy(), None if fell < 0 else fell)
+    rotation, velocity, acceleration = out.T.copy()
+    time = h * every * np.arange(n)
+    return Response(time, rotation, velocity, acceleration, hits[:count].copy(), None if fell < 0 else fell)

@@ -36,7 +36,7 @@ def _just_enough(lab: Lab, plan: Plan) -> float:
 
 def _runs(rng: np.random.Generator, lab: Lab, motions: int, prefix: str) -> list[Plan]:
     onset = G * lab.world.half_breadth / lab.world.centre_height
-    plans = []
+    plans: list[Plan] = []
     for m in range(motions):
         motion = quake(rng, onset)
         samples = int((motion.end + 1.5) * RATE) + 1

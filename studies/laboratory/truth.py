@@ -61,7 +61,7 @@ def read_truth(folder: Path) -> Truth:
     hidden = {}
     for path in sorted(folder.glob("*.csv")):
         values = np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True))
-        hidden[path.stem] = {name: values[name] for name in values.dtype.names}
+        hidden[path.stem] = {name: values[name] for name in values.dtype.names or ()}
     for key in ("effects", "verdicts"):
         table[key] = tuple(table[key])
     table["accepted"] = tuple(tuple(a) for a in table["accepted"])

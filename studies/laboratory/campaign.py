@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -91,9 +91,12 @@ def channels_of(rng: np.random.Generator, block: DeclaredBlock, kind: str, verti
     return Bench((*sensors, *channels), {c.name: float(rng.normal(0.0, MISALIGNMENT)) for c in sensors})
 
 
-def planted(ideal: Lab, names: Sequence[str], draws: Sequence[Draw], strengths: Sequence[float]):
+def planted(
+    ideal: Lab, names: Sequence[str], draws: Sequence[Draw], strengths: Iterable[float]
+) -> tuple[Lab, dict[str, float]]:
     """The laboratory with its effects, and their true parameters."""
-    lab, parameters = ideal, {}
+    lab: Lab = ideal
+    parameters: dict[str, float] = {}
     for name, d, k in zip(names, draws, strengths, strict=True):
         lab, own = (NAMED | UNNAMED)[name](lab, d, k)
         parameters |= {f"{name}.{key}": float(value) for key, value in own.items()}

@@ -1,25 +1,25 @@
 """The loop on campaigns of a virtual laboratory whose truth is hidden from it: what it finds, and what that costs.
 
-Cases    one campaign for each effect and seed (tests/studies/loop/laboratory, which shares no code with the package):
-         named effects, effects on no list (right answer: unexplained), pairs, clean ones; by option weak ones, spoiled
-         records, accelerometers in place of the rotation, outcomes alone.
+Cases    one campaign for each effect and seed (studies.laboratory shares no code with the models): named effects,
+         effects on no list (right answer: unexplained), pairs, clean ones; by option weak ones, spoiled records,
+         accelerometers in place of the rotation, outcomes alone.
 Peers    the calibrated baseline of the same run (error before), and the true model under the same noise of base and
          leans (the floor): the loop's error after the effect stands between the two.
 Measure  verdict, effects traced (as named, by a twin, in a set that cannot be told apart), false alarms, share of true
          parameters within their 95 % interval, error on later tests over the floor, claimed over true error, CPU time.
-Run      python benchmarks/loop.py [--effects a b c+d null] [--seeds N] [--jobs 1] [--channel ...] [--nuisances ...]
-         ->  a table, and benchmarks/results/loop.csv (or --csv)
+Run      python -m studies.loop_trials [--effects a b c+d null] [--seeds N] [--jobs 1] [--channel ...] [--quick]
+         ->  a table, and build/studies/loop_trials/loop.csv; campaigns that were closed are not closed again
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import json
 import os
 import shlex
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -30,16 +30,15 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests" / "studies" / "loop"))
+from studies._run import write_whole
+from studies.laboratory.campaign import NUISANCES, make_campaign
+from studies.laboratory.effects import NAMED, UNNAMED
+from studies.laboratory.judge import judge
+from studies.laboratory.outcomes import make_outcomes
+from studies.laboratory.truth import Truth, read_truth
 
-from laboratory.campaign import NUISANCES, make_campaign  # noqa: E402
-from laboratory.effects import NAMED, UNNAMED  # noqa: E402
-from laboratory.judge import judge  # noqa: E402
-from laboratory.outcomes import make_outcomes  # noqa: E402
-from laboratory.truth import Truth, read_truth  # noqa: E402
-
-RESULTS = ROOT / "benchmarks" / "results" / "loop.csv"
+OUT = Path("build/studies/loop_trials")
+QUICK = ("null", "quadratic_drag")
 PAIRS = (
     "rounded_edges+viscous_damping",
     "base_tilt+velocity_dependent_restitution",
@@ -85,7 +84,7 @@ def timed(command: Sequence[str], log: Path) -> tuple[float, float]:
     """(CPU, wall) seconds of a command whose output goes to `log`; RuntimeError if it fails or takes too long."""
     start = time.monotonic()
     with log.open("wb") as out:
-        process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, cwd=ROOT)
+        process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT)
         while True:
             pid, status, usage = os.wait4(process.pid, os.WNOHANG)
             if pid:
@@ -104,7 +103,14 @@ def timed(command: Sequence[str], log: Path) -> tuple[float, float]:
 
 
 def closed(case: Case, folder: Path, command: Sequence[str]) -> dict[str, Any]:
-    """One campaign through the loop and before the judge; a run that fails is a row that says so."""
+    """One campaign through the loop and before the judge; a run that fails is a row that says so.
+
+    A row that is there already is kept, unless the campaign or the run failed.
+    """
+    kept = folder / "row.json"
+    if kept.exists():
+        found: dict[str, Any] = json.loads(kept.read_text(encoding="utf-8"))
+        return found
     truth = made(case, folder)
     loop, ahead = folder / "loop", str(folder / "predict" / "campaign.toml")
     row: dict[str, Any] = {"case": case.name, "truth": "+".join(truth.effects), "failed": ""}
@@ -118,6 +124,8 @@ def closed(case: Case, folder: Path, command: Sequence[str]) -> dict[str, Any]:
         row |= judge(loop, truth) | {"cpu_s": cpu, "wall_s": wall}
     except (RuntimeError, ValueError, OSError, KeyError) as error:
         row["failed"] = f"{type(error).__name__}: {error}"
+        return row
+    write_whole(kept, lambda target: target.write_text(json.dumps(row), encoding="utf-8"))
     return row
 
 
@@ -177,21 +185,25 @@ def report(rows: Sequence[dict[str, Any]], path: Path) -> None:
         writer.writerows({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in r.items()} for r in rows)
 
 
-def arguments() -> argparse.Namespace:
+def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
     """What the command line says."""
     known = ["null", *NAMED, *UNNAMED]
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        prog="python -m studies.loop_trials", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--effects", nargs="+", default=[*known, *PAIRS], help="names, pairs as a+b, null for none")
+    parser.add_argument("--quick", action="store_true", help=f"{' and '.join(QUICK)} alone")
     parser.add_argument("--seeds", type=int, default=1, help="campaigns for each")
     parser.add_argument("--first-seed", type=int, default=1001)
     parser.add_argument("--jobs", type=int, default=1, help="campaigns at a time")
     parser.add_argument("--strength", choices=("strong", "weak"), default="strong")
     parser.add_argument("--channel", choices=("rotation", "block_acceleration", "outcome"), default="rotation")
     parser.add_argument("--nuisances", nargs="*", default=[], choices=NUISANCES)
-    parser.add_argument("--folder", type=Path, help="keep campaigns and runs here (campaigns there are used again)")
-    parser.add_argument("--csv", type=Path, default=RESULTS)
+    parser.add_argument("--out", type=Path, default=OUT, help="folder of campaigns, runs and table (%(default)s)")
+    parser.add_argument("--csv", type=Path, help="the table (loop.csv in that folder)")
     parser.add_argument("--command", default=f"{sys.executable} -m studies.loop", help="what is judged")
-    options = parser.parse_args()
+    options = parser.parse_args(given)
+    options.effects = list(QUICK) if options.quick else options.effects
     for effect in options.effects:
         for part in effect.split("+"):
             if part not in known:
@@ -199,8 +211,9 @@ def arguments() -> argparse.Namespace:
     return options
 
 
-def main() -> None:
-    options = arguments()
+def main(given: Sequence[str] | None = None) -> int:
+    """Run the command."""
+    options = arguments(given)
     cases = [
         Case(
             () if e == "null" else tuple(e.split("+")), options.first_seed + k,
@@ -210,12 +223,17 @@ def main() -> None:
         for k in range(options.seeds)
     ]  # fmt: skip
     command = shlex.split(options.command)
-    with tempfile.TemporaryDirectory() as scratch, ThreadPoolExecutor(options.jobs) as pool:
-        folder = options.folder or Path(scratch)
-        tasks = [pool.submit(closed, case, (folder / case.name).resolve(), command) for case in cases]
-        rows = [task.result() for task in tqdm(tasks, desc="campaigns", unit="campaign")]
-    report(rows, options.csv)
+    with ThreadPoolExecutor(options.jobs) as pool:
+        tasks = [pool.submit(closed, case, (options.out / case.name).resolve(), command) for case in cases]
+        try:
+            rows = [task.result() for task in tqdm(tasks, desc="campaigns", unit="campaign")]
+        except KeyboardInterrupt:
+            pool.shutdown(wait=False, cancel_futures=True)
+            print("interrupted; the same command goes on", file=sys.stderr)
+            return 130
+    report(rows, options.csv or options.out / "loop.csv")
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

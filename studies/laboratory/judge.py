@@ -66,7 +66,7 @@ def coverage(found: dict[str, Any], truth: Truth) -> dict[str, dict[str, float |
 
 def _series(path: Path) -> dict[str, np.ndarray]:
     values = np.genfromtxt(path, delimiter=",", names=True)
-    return {name: np.atleast_1d(values[name]) for name in values.dtype.names}
+    return {name: np.atleast_1d(values[name]) for name in values.dtype.names or ()}
 
 
 def predicted_errors(folder: Path, truth: Truth) -> dict[str, float]:

@@ -1,0 +1,36 @@
+"""The bed of trials: a run that fails is a row that says so, a row that is there is kept, bad names are refused."""
+
+import csv
+import json
+import sys
+
+import pytest
+
+from studies.loop_trials import main
+
+
+def test_a_loop_that_fails_is_a_row_and_the_campaign_stays(tmp_path, capsys):
+    broken = f"{sys.executable} -c 'raise_SystemExit(3)'"
+    assert main(["--effects", "null", "--out", str(tmp_path), "--command", broken]) == 0
+    [row] = list(csv.DictReader((tmp_path / "loop.csv").open(encoding="utf-8")))
+    assert row["case"] == "null-1001"
+    assert "exit status 1" in row["failed"]
+    assert (tmp_path / "null-1001" / "campaign" / "campaign.toml").exists()
+    assert "failed                1/1" in capsys.readouterr().out
+
+
+def test_a_campaign_that_was_closed_is_not_closed_again(tmp_path):
+    folder = tmp_path / "null-1001"
+    folder.mkdir()
+    row = {"case": "null-1001", "truth": "", "failed": "", "verdict": "none", "covered": 0, "parameters": 0}
+    (folder / "row.json").write_text(json.dumps(row), encoding="utf-8")
+    # No such program: it would fail if it were asked for.
+    assert main(["--effects", "null", "--out", str(tmp_path), "--command", "no-such-program"]) == 0
+    [found] = list(csv.DictReader((tmp_path / "loop.csv").open(encoding="utf-8")))
+    assert (found["verdict"], found["failed"]) == ("none", "")
+
+
+def test_an_effect_that_nobody_knows_is_refused_with_the_list(capsys):
+    with pytest.raises(SystemExit):
+        main(["--effects", "gremlin"])
+    assert "'gremlin': want some of null, " in capsys.readouterr().err
