@@ -194,8 +194,8 @@ def _peak_in_words(block: Block, peak: float, restitution: float | None) -> tupl
             f"         (peak velocity {velocity:.2g} m/s)"
         )
     lines.append(
-        f"margin   below a peak velocity of {ishiyama_velocity(block):.2g} m/s longer motions do not fell such blocks\n"
-        "         either (Ishiyama 1982); give --period, --pgv or --record for a number"
+        f"margin   by Ishiyama's rule (1982) nothing fells it below a peak velocity of {ishiyama_velocity(block):.2g} m/s;\n"
+        "         give --period, --pgv or --record for a number"
     )
     return "\n".join(lines), facts
 
