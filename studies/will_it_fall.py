@@ -193,8 +193,9 @@ def _peak_in_words(block: Block, peak: float, restitution: float | None) -> tupl
             f"falls    if the push lasts: one cycle of a sine of this peak fells it from {period:.2f} s of period on\n"
             f"         (peak velocity {velocity:.2g} m/s)"
         )
+    limit = ishiyama_velocity(block)
     lines.append(
-        f"margin   by Ishiyama's rule (1982) nothing fells it below a peak velocity of {ishiyama_velocity(block):.2g} m/s;\n"
+        f"margin   by Ishiyama's rule (1982) nothing fells it below a peak velocity of {limit:.2g} m/s;\n"
         "         give --period, --pgv or --record for a number"
     )
     return "\n".join(lines), facts
