@@ -35,6 +35,9 @@ STANDARD_GRAVITY = 9.81
 
 MOST_EFFECTS = 3
 
+NOTHING_LEFT = 1.02
+"""Rms over the noise in the swings below which no third effect is looked for."""
+
 LEAST_OF_A_SCAN = 0.15
 """Share by which an effect that whole records alone show has to lower their rms: their sums of squares are rugged."""
 
@@ -178,6 +181,8 @@ def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[R
         pool = tuple(c for c in pool if c.effect not in OF_THE_ROTATION_SENSOR)
     path, rounds, fits = [plain], [], [whole_fit(setup, plain)]
     for depth in range(MOST_EFFECTS):
+        if depth > 1 and path[-1].swing.rms < NOTHING_LEFT:
+            break
         tell(f"tracing, round {depth + 1}")
         tried = search(setup.simulator, path[-1], pool, tell)
         best = tried.best
