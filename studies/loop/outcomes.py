@@ -4,7 +4,7 @@ The probability of falling stands in for the measured channel: of a model whose 
 The ideal block is calibrated (restitution), every effect that outcomes can show is fitted to them, and an effect is
 named only if it explains more than chance lets the best of all that were tried explain.
 
-Status   benchmarks/loop.py --channel outcome, on campaigns of a virtual laboratory.
+Status   studies/loop_trials.py --channel outcome, on campaigns of a virtual laboratory.
 """
 
 from __future__ import annotations
@@ -72,6 +72,8 @@ def close(campaign: Campaign, *, g: float, tell: Tell = lambda text: None) -> Ou
     base = calibrated(search, declared)
     path, rounds = _path(search, base)
     chosen = densely(search, path[-1])
+    # Where nothing is added the model after is the one before.
+    base = base if chosen.parts else chosen
     floor, structure = _floor(data, chosen, tell)
     chosen, verdict, notes = _judged(search, base, chosen, rounds, floor["fit"], structure)
     rivals = near(search, _rivals_of(chosen, rounds), chosen) if chosen.parts else (chosen,)
@@ -104,13 +106,9 @@ def _path(search: Search, base: Tried) -> tuple[list[Tried], list[Round]]:
     """What was accepted one on top of the other, the calibrated block first, and all rounds."""
     path, rounds = [base], []
     for depth in range(MOST_EFFECTS):
-        # What is there already is known by then, so that there is less to look for.
-        told = replace(
-            search,
-            tell=lambda text, k=depth: search.tell(f"round {k + 1}: {text}"),
-            thrift=2 if depth else 1,  # type: ignore[misc]
-        )
-        tried = traced(told, path[-1], forms(path[-1].top.model.declared))
+        # Once something is known there is less to look for.
+        thrifty = replace(search, thrift=2 if depth else 1)
+        tried = traced(thrifty, path[-1], forms(path[-1].top.model.declared))
         rounds.append(tried)
         if not tried.refined or not pays(search, tried):
             break
@@ -132,18 +130,19 @@ def _judged(
     missed = [_missed(search, tried) for tried in (base, chosen)]
     if structure > STRUCTURE:
         return chosen, "effect" if chosen.parts else "none", _undecided(search, chosen, rounds)
-    left = f"{missed[1]} of {n} fitted outcomes are wrong under the model after where its own noise would give "
-    f"{floor * n:.0f}"
+    left = (
+        f"{missed[1]} of {n} fitted outcomes are wrong under the model after where its own noise would give "
+        f"{floor * n:.0f}"
+    )
+    excess = [max(m / n - floor, 0.0) for m in missed]
+    if chosen.parts and excess[1] <= (1.0 - EXPLAINED) * excess[0]:
+        return chosen, "effect", [f"{left}: something else is there as well."]
     search.tell("learning what no effect explains")
     learned = traced(replace(search, thrift=2), chosen, terms(chosen.top.model.declared))
     if learned.refined and pays(search, learned):
         rounds.append(learned)
         return densely(search, learned.refined[0]), "unexplained", [f"{left}: a term was learned that lowers it."]
-    left += "; no effect and no learned term accounts for the rest"
-    excess = [max(m / n - floor, 0.0) for m in missed]
-    if chosen.parts and excess[1] <= (1.0 - EXPLAINED) * excess[0]:
-        return chosen, "effect", [f"{left}: something else is there as well."]
-    return chosen, "unexplained", [f"{left}."]
+    return chosen, "unexplained", [f"{left}; no effect and no learned term accounts for the rest."]
 
 
 def _missed(search: Search, tried: Tried) -> int:

@@ -52,12 +52,22 @@ def by_motion(tests: xr.Dataset, rows: list[str]) -> str:
                 )
         ax.set_yticks(range(len(rows)), [str(k + 1) for k in range(len(rows))], fontsize=6.5)
         ax.set_ylim(len(rows) - 0.5, -0.5)
-        ax.set_xscale("log")
+        _logarithmic(ax, x)
         ax.set_xlabel("largest base velocity [m/s]")
         ax.set_ylabel("motion (numbers as in the table)")
         ax.grid(axis="x", which="both", alpha=0.2)
         _legend(ax)
         return svg(figure)
+
+
+def _logarithmic(ax: Any, x: Array) -> None:
+    """A logarithmic axis with few plain numbers on it."""
+    ax.set_xscale("log")
+    known = x[x > 0.0]
+    low, high = float(known.min()), float(known.max())
+    ticks = [f * 10.0**k for k in range(-4, 4) for f in (1.0, 2.0, 5.0) if low <= f * 10.0**k <= high]
+    ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    ax.minorticks_off()
 
 
 def _legend(ax: Any) -> None:
@@ -95,7 +105,7 @@ def against(tests: xr.Dataset, name: str, label: str) -> str:
             ax.plot(
                 at, [float(np.mean(values[part])) for part in parts], style, color=colour, linewidth=1.6, label=text
             )
-        ax.set_xscale("log")
+        _logarithmic(ax, x)
         ax.set_ylim(-0.05, 1.05)
         ax.set_xlabel(label)
         ax.set_ylabel("probability of falling")

@@ -28,7 +28,7 @@ from studies.loop.outcomes_runs import FINE, NOMINAL, Runs
 
 Tell = Callable[[str], None]
 
-LADDER = (0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.83, *(0.85 + 0.01 * k for k in range(16)))
+LADDER = (0.5, 0.65, 0.75, 0.8, 0.84, 0.87, 0.89, 0.91, *(0.92 + 0.01 * k for k in range(9)))
 """Restitutions of the calibrated block that are tried first."""
 
 MOST_RUNS, FEWEST_POINTS, MOST_POINTS = 3200, 12, 36
@@ -133,7 +133,7 @@ def calibrated(search: Search, declared: LoopModel) -> Tried:
     tried = Tried((), own, search.points([declared.changed({RESTITUTION: e}) for e in LADDER]))
     for _, spread in ROUNDS[1:]:
         tried = closer(search, tried, spread / 4.0, search.count // 3, "calibrated")
-    return search.settled(tried, 2 * FINAL)
+    return search.settled(tried)
 
 
 def scanned(search: Search, onto: Tried, form: Form) -> Tried:
@@ -206,7 +206,7 @@ def traced(search: Search, onto: Tried, pool: Sequence[Form]) -> Round:
         name = form.candidate.name
         if name in onto.names or (form.candidate.effect in onto.effects and form.candidate.effect != "learned_term"):
             continue
-        search.tell(f"trying {name} ({number} of {len(pool)})")
+        search.tell(f"round {len(onto.parts) + 1}: trying {name} ({number} of {len(pool)})")
         try:
             out.first[name], costs[name] = scanned(search, onto, form), form.cost
         except ValueError as refusal:

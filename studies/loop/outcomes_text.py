@@ -12,15 +12,13 @@ from studies.loop.report_text import effect_words, listed, number
 Content = dict[str, Any]
 
 EFFECTIVE = {
-    "concave_base": "The breadth is an effective one: of a flat block with two edges that falls as this one "
-    "does. Nothing "
-    "here shows that the base is that narrow; worn or uneven edges, contact that moves inward, or motion out of "
-    "the plane "
-    "may all look like it.",
-    "rounded_edges": "The radius is an effective one: of a flat block with two round edges that falls as this "
-    "one does.",
-    "mass_distribution": "Height and inertia are effective ones, of a flat block with two edges that falls as "
-    "this one does.",
+    "concave_base": "The breadth is an effective one: of a flat block with two edges that falls as this one does. "
+    "Nothing here shows that the base is that narrow; worn or uneven edges, contact that moves inward, or motion out "
+    "of the plane may all look like it.",
+    "rounded_edges": "The radius is an effective one: of a flat block with two round edges that falls as this one "
+    "does.",
+    "mass_distribution": "Height and inertia are effective ones: of a flat block with two edges that falls as this one "
+    "does.",
     "base_motion_gain": "A gain of the motion cannot be told from a block that falls more, or less, easily than "
     "declared.",
 }

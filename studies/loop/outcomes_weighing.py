@@ -79,8 +79,7 @@ def next_test(data: OutcomeData, runs: Runs, rivals: Sequence[Tried]) -> str:
     """The motion and strength at which the rivals' probabilities of falling differ most, as a sentence."""
     record = (
         "One record of the rotation (a free decay from a lean, a film of it will do) says more of the block "
-        "than dozens "
-        "of outcomes."
+        "than dozens of outcomes."
     )
     if len(rivals) < 2:
         return record
@@ -103,6 +102,5 @@ def next_test(data: OutcomeData, runs: Runs, rivals: Sequence[Tried]) -> str:
     motion = f" (motion {test.motion})" if test.motion else ""
     return (
         f"Repeat test {test.id}{motion} a few times at {np.exp(strength):.2f} of its strength; probability of "
-        f"falling by "
-        f"{said}. {record}"
+        f"falling by {said}. {record}"
     )
