@@ -1,0 +1,132 @@
+"""Accelerometers on the block in place of the rotation: sides, leans, mounting angles and gravity are found again.
+
+The records are made with the package's SciPy solver, an instrument at the block's own points and noise; g of the
+laboratory differs from the loop's own.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+from excitation import RampedSinusoid
+from rocking import Block, Method1, solve
+from rocking.instruments import accelerometer
+from studies.campaigns import Campaign, CampaignError, Channel, Conditions, DeclaredBlock, Test
+from studies.loop.closing import STANDARD_GRAVITY
+from studies.loop.fitting import linearised
+from studies.loop.model import LoopModel
+from studies.loop.observing import jobs_of, observe
+from studies.loop.preparing import Setup, prepare
+from studies.loop.tracing import E, baseline
+from studies.loop.windows import SIDE, whole_windows
+
+BLOCK = Block(0.2, 0.8, 0.4)
+DECLARED = DeclaredBlock(0.2, 0.8, 0.4, BLOCK.mass)
+NOISE, BASE_NOISE, STEP = 0.03, 0.004, 0.005
+TRUE_E, TRUE_G = 0.91, 9.80
+LEANS = (0.17, -0.19, 0.15)
+MOUNTED = {"top": 0.012, "left": -0.02}
+TOP = Channel("top", "block_acceleration", NOISE, (0.0, 0.78), (1.0, 0.0))
+LEFT = Channel("left", "block_acceleration", NOISE, (-0.1, 0.4), (0.0, 1.0))
+BASE = Channel("base_x", "base_acceleration_x", BASE_NOISE)
+
+
+def turned(channel: Channel) -> tuple[float, float]:
+    (x, z), angle = channel.axis, MOUNTED[channel.name]
+    return x * math.cos(angle) + z * math.sin(angle), -x * math.sin(angle) + z * math.cos(angle)
+
+
+@pytest.fixture(scope="module")
+def truth() -> tuple[Campaign, list[np.ndarray]]:
+    """Three free tests and a forced one, and the rotation that nobody measured."""
+    rng = np.random.default_rng(7)
+    system = Method1(BLOCK, restitution=TRUE_E, g=TRUE_G)
+    tests, rotations = [], []
+    for k, lean in enumerate((*LEANS, 0.0)):
+        motion = RampedSinusoid(3.0, 8.0, 7.0) if lean == 0.0 else None
+        t = np.arange(1600 if motion is not None else 1400) * STEP
+        run = solve(system, motion, theta=lean, t_end=float(t[-1]), save_at=t, solver="scipy")
+        assert np.array_equal(run.t, t)
+        data = {c.name: accelerometer(run, c.position, turned(c)) for c in (TOP, LEFT)}  # type: ignore[arg-type]
+        data = {name: values + NOISE * rng.standard_normal(t.size) for name, values in data.items()}
+        channels = [TOP, LEFT]
+        if motion is not None:
+            data["base_x"] = motion(t)[0] + BASE_NOISE * rng.standard_normal(t.size)
+            channels.append(BASE)
+        kind = "forced" if motion is not None else "free"
+        tests.append(Test(f"{kind}-{k}", kind, t, tuple(channels), data, initial_rotation=lean or None))  # type: ignore[arg-type]
+        rotations.append(run.theta)
+    return Campaign("", DECLARED, Conditions(), (TOP, LEFT, BASE), tuple(tests)), rotations
+
+
+@pytest.fixture(scope="module")
+def setup(truth: tuple[Campaign, list[np.ndarray]]) -> Setup:
+    return prepare(truth[0], LoopModel(DECLARED, 0.9, {}, STANDARD_GRAVITY))
+
+
+# Twice the standard deviation that the record itself states; its mounting angles are not yet calibrated then.
+def test_the_rotation_is_got_back_but_for_the_last_small_swings(setup: Setup, truth) -> None:
+    for record, rotation in zip(setup.records, truth[1], strict=True):
+        large = np.isfinite(record.rotation) & (np.abs(rotation) > 0.03)
+        assert large.sum() > 0.7 * (np.abs(rotation) > 0.03).sum()
+        assert float(np.percentile(np.abs(record.rotation - rotation)[large], 95.0)) < 2.0 * record.noise
+        assert record.noise < 3e-3
+        assert np.array_equal(np.sign(record.rotation[large]), np.sign(rotation[large]))
+
+
+def test_leans_and_mounting_angles_begin_near_the_truth(setup: Setup) -> None:
+    np.testing.assert_allclose([r.lean for r in setup.records[:3]], LEANS, rtol=0.0, atol=4e-3)
+    # At rest the angle of the upright sensor is a matter of the base motion alone, below the onset of rocking.
+    assert setup.start.mountings["top"] == pytest.approx(MOUNTED["top"], abs=2e-3)
+
+
+def test_the_calibration_finds_restitution_mounting_and_gravity(setup: Setup) -> None:
+    found = baseline(setup.simulator, setup.start, setup.swings, gravity=setup.reads_gravity)
+    assert setup.reads_gravity
+    # Two states in each window take up a little of the noise.
+    assert 0.95 < found.swing.rms < 1.03
+    truth = {"restitution": TRUE_E, "mounting.top": MOUNTED["top"], "mounting.left": MOUNTED["left"], "gravity": TRUE_G}
+    for k, parameter in enumerate(found.calibrated):
+        sd = math.sqrt(found.swing.covariance[k, k])
+        assert abs(found.swing.model.get(parameter.name) - truth[parameter.name]) < 4.0 * sd
+        # So sure from four tests: restitution to a third of a per cent, angles to 3 mrad, gravity to 3 mm/s^2.
+        assert sd < 3e-3
+
+
+def test_readings_of_a_run_are_those_of_the_instrument(setup: Setup, truth) -> None:
+    model = LoopModel(DECLARED, TRUE_E, {}, TRUE_G, mountings=MOUNTED)
+    [window] = whole_windows([setup.records[0]])
+    window = window.moved(LEANS[0], 0.0)
+    [read] = observe(setup.simulator, [model], jobs_of([window], 0), [window])
+    own = np.isfinite(read)
+    assert own.mean() > 0.9
+    left = (window.data - read)[own] / window.weights[own] ** -1.0
+    # The true model leaves the noise; not the samples of a chattering end, where the side may be told wrongly.
+    assert float(np.median(np.abs(left))) < 0.8
+
+
+# What one run cannot compare (it leans to another side) must not show as a slope of a million.
+def test_derivatives_do_not_see_the_jump_at_an_impact(setup: Setup) -> None:
+    model = LoopModel(DECLARED, TRUE_E, {}, TRUE_G, mountings=MOUNTED)
+    windows = setup.swings[:8]
+    fine = linearised(setup.simulator, model, [E], windows)
+    # One per cent of restitution moves a reading by some tenths of its noise after an impact, not by a jump of 200.
+    assert max(float(np.abs(a).max()) for a in fine.by_parameters) < 30.0
+
+
+def test_sides_are_known_and_the_change_is_a_channel(setup: Setup) -> None:
+    record = setup.records[0]
+    assert record.channels[-1] is SIDE
+    assert record.sides is not None and set(np.unique(record.sides)) <= {-1, 0, 1}
+    assert not setup.by_rotation
+
+
+def test_a_campaign_without_a_response_is_refused(truth) -> None:
+    campaign = truth[0]
+    bare = Campaign(
+        "", DECLARED, Conditions(), (BASE,),
+        (Test("forced-0", "forced", campaign.tests[3].time, (BASE,), {"base_x": campaign.tests[3].data["base_x"]}),),
+    )  # fmt: skip
+    with pytest.raises(CampaignError, match="rotation channel or accelerometers on the block"):
+        prepare(bare, LoopModel(DECLARED, 0.9))
