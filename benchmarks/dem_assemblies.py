@@ -4,7 +4,7 @@ Scenes   one block and a column of three of Winkler, Meguro & Yamazaki (1995), r
          shakes with 0.2 g at 5 Hz; MuJoCo and pymunk with the same bodies, friction and motion, at 1e-3 and 1e-4 s
 Measure  CPU time of a run less that of a run of one step (setting up, settling), the best of several; with two
          workers wall time. "contacts" are those that touch in the end
-Run      python benchmarks/dem_assemblies.py [--runs N] [--quick]  ->  benchmarks/results/dem_assemblies.csv
+Run      python benchmarks/dem_assemblies.py [--runs N] [--quick | --growth]  ->  benchmarks/results/dem_assemblies.csv
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ import dem
 
 RESULTS = Path(__file__).parent / "results" / "dem_assemblies.csv"
 B, H, D, DENSITY, G, MU = 0.15, 0.50, 0.25, 597.0, 9.80665, 0.7
+GROWTH = [(3, 3), (10, 10), (32, 31), (100, 100)]  # courses and blocks across: 10 to 10,000 blocks
 CONTACT = dem.Contact(MU, damping_ratio=0.1)
 HEAD = (
     "scene", "bodies", "engine", "step_s", "simulated_s", "seconds", "clock", "simulated_s_per_s", "us_per_step",
@@ -105,9 +106,21 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--runs", type=int, default=3, help="runs that count (default: %(default)s)")
     parser.add_argument("--quick", action="store_true", help="shorter runs, and no wall of 10,000 blocks")
+    parser.add_argument("--growth", action="store_true", help="measure growth alone and keep the other rows there are")
     arguments = parser.parse_args()
     runs, short = arguments.runs, 0.2 if arguments.quick else 1.0
     show(HEAD)
+    rows = kept_rows() if arguments.growth else scene_rows(runs, short)
+    for size in GROWTH[:3] if arguments.quick else GROWTH:
+        rows.append(time_dem("growth", dem.running_bond(*size), 0.12, 0.5, 1, settle=False))
+    RESULTS.parent.mkdir(exist_ok=True)
+    with RESULTS.open("w", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows([HEAD, *rows])
+    print(f"wrote {RESULTS}")
+
+
+def scene_rows(runs: int, short: float) -> list[list[object]]:
+    """Everything but growth."""
     column, wall, large = dem.column(3, B, H, D, DENSITY), dem.running_bond(10, 10), dem.running_bond(32, 31)
     rows = [
         time_dem("one block", dem.single(B, H, D, DENSITY), 60.0 * short, 0.25, runs),
@@ -119,13 +132,13 @@ def main() -> None:
     ]
     for label, scene, t_end in (("column of 3", column, 5.0), ("wall of 100", wall, 0.5)):
         rows += time_peers(label, scene, t_end * short)
-    sizes = [(3, 3), (10, 10), (32, 31)] + ([] if arguments.quick else [(100, 100)])
-    for size in sizes:
-        rows.append(time_dem("growth", dem.running_bond(*size), 0.12, 0.5, 1, settle=False))
-    RESULTS.parent.mkdir(exist_ok=True)
-    with RESULTS.open("w", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows([HEAD, *rows])
-    print(f"wrote {RESULTS}")
+    return rows
+
+
+def kept_rows() -> list[list[object]]:
+    """Rows of the results that are there, growth left out."""
+    with RESULTS.open(newline="") as file:
+        return [list(line) for line in list(csv.reader(file))[1:] if line[0] != "growth"]
 
 
 if __name__ == "__main__":
