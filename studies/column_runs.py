@@ -10,17 +10,22 @@ import argparse
 import math
 from dataclasses import asdict, dataclass, field, replace
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from studies import _run
+from studies.animation import save
 from studies.columns import PARTED, Column, ColumnJob, ColumnSettings, G, history
 from studies.columns_figures import QUICK_DURATION
 from studies.labelled import PAPER
 from studies.parts import Parts
 from studies.specimens import specimen
+
+LAST = 3.0
+"""Time [s] before the end that the GIF shows."""
 
 AFTER = 1.2
 """Time [s] for which a run goes on after the first block has passed its balance."""
@@ -132,6 +137,14 @@ def instants(ds: xr.Dataset, count: int = 11) -> tuple[list[float], list[str]]:
         chosen[fall + (end - fall) * step / max(1, count - len(chosen) + step)] = "fall"
     times = sorted(chosen)[:count]
     return times, ["" if chosen[t] in ("between", "fall") else chosen[t] for t in times]
+
+
+def films(ds: xr.Dataset, folder: Path) -> list[Path]:
+    """A page to play the run, and a GIF of its last seconds."""
+    name, end = str(ds.attrs["study"]), float(ds.time[-1])
+    title = f"{ds.attrs['title']}, {ds.attrs['frequency']:g} Hz"
+    whole = save(ds, folder / f"{name}.html", title=title)
+    return [whole, save(ds, folder / f"{name}.gif", title=title, start=max(0.0, end - LAST), fps=10.0)]
 
 
 def separation(ds: xr.Dataset) -> Any:

@@ -2,7 +2,8 @@
 
 See          the blocks rock as one, part, rock under different angles, and fall.
 Paper says   the same, with the parting at about 21 s of its own ramp, of which it does not print the growth.
-Run          python -m studies.fig17 [--quick]  ->  build/studies/fig17.nc, then fig17.png and .pdf
+Run          python -m studies.fig17 [--quick]  ->  build/studies/fig17.nc, then fig17.png and .pdf, fig17.html to play
+             and fig17.gif
 """
 
 from __future__ import annotations
@@ -44,6 +45,7 @@ STUDY = Study(
     figures={"fig17": figure},
     check=check,
     arguments=column_runs.arguments,
+    films=column_runs.films,
     example='ds.theta.plot.line(x="time")',
 )
 

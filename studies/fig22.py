@@ -2,7 +2,8 @@
 
 See          the column rocks, one joint opens, then the other, and a block falls.
 Paper says   its figure shows representative moments of the same; the text prints no times.
-Run          python -m studies.fig22 [--quick]  ->  build/studies/fig22.nc, then fig22.png and .pdf
+Run          python -m studies.fig22 [--quick]  ->  build/studies/fig22.nc, then fig22.png and .pdf, fig22.html to play
+             and fig22.gif
 """
 
 from __future__ import annotations
@@ -53,6 +54,7 @@ STUDY = Study(
     figures={"fig22": figure},
     check=check,
     arguments=column_runs.arguments,
+    films=column_runs.films,
     example='ds.theta.plot.line(x="time")',
 )
 

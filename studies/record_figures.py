@@ -113,7 +113,8 @@ def _zoom(ax: Any, ds: xr.Dataset, marks: Sequence[tuple[float, str, str]], widt
         ax.axvline(t, color=colour, ls="--" if "read" in label else "-", lw=1.4, label=f"{label}: {t:.2f} s")
     ax.set_xlabel("Time [s]")
     ax.set_ylabel("Reading [m/s²]")
-    ax.set_ylim(-2.5 * G, 4.0 * G)  # impacts go far beyond
+    low, high = ax.get_ylim()
+    ax.set_ylim(max(low, -2.5 * G), min(high, 4.0 * G))  # impacts go far beyond
     ax.legend(fontsize=8, loc="lower left")
     ax.grid(alpha=0.3)
 
