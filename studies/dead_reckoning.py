@@ -25,6 +25,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullLocator
 from numpy.typing import NDArray
 
 from excitation import RampedSinusoid
@@ -208,6 +209,10 @@ def figure(ds: xr.Dataset) -> Figure:
         right.plot(times, np.full(times.size, row), ls="none", marker="o", mfc="none", color="#0072B2", ms=5)
     right.set_yticks(rows, [str(case) for case in ds.case.values])
     right.set_xscale("log")
+    right.xaxis.set_major_locator(FixedLocator([1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 90.0]))
+    right.xaxis.set_major_formatter("{x:g}")
+    right.xaxis.set_minor_locator(NullLocator())
+    right.set_xlim(0.9, 1.1 * float(ds.attrs["long"]))
     right.invert_yaxis()
     right.set_xlabel("Error below a fifth of the peak until [s]")
     right.grid(alpha=0.3)

@@ -1,6 +1,6 @@
 """From which frequency rocking precedes overturning, by slenderness.
 
-See          a slender block rocks before it falls already at low frequency, a stocky one falls at once up to a higher.
+See          a stocky block rocks for a while before it falls at frequencies at which a slender one falls at once.
 Paper says   at low frequency a block falls the moment rocking would begin; from which frequency it rocks before cannot
              be said without its b/h.
 Run          python -m studies.slenderness [--quick]  ->  build/studies/slenderness.nc, then slenderness.png and .pdf
