@@ -54,13 +54,12 @@ def blocks(rng: np.random.Generator) -> tuple[np.ndarray, dict[str, np.ndarray]]
     return par, {"theta": theta, "omega": np.where(released, rng.uniform(-0.1, 0.1, RUNS) * np.sqrt(par[:, 0]), 0.0)}
 
 
-def must_agree(pars: np.ndarray, samples: Any, starts: np.ndarray, motions: np.ndarray) -> None:
+def must_agree(pars: np.ndarray, samples: Any, starts: np.ndarray, motions: np.ndarray, **lanes: int) -> None:
     """The same outcomes and counts, and times and tilts to rounding, which each impact multiplies."""
     compiled = carry_portions(
         "linear", samples, lambda a, b: [np.ascontiguousarray(t[a:b]) for t in (pars, starts, motions)], RUNS, 10**6
     )
-    # Fewer lanes than runs: a lane takes one run after another.
-    traced = carry_on_device(samples, pars, starts, motions, 10**6, devices.jax_device("jax-cpu"), most_lanes=128)
+    traced = carry_on_device(samples, pars, starts, motions, 10**6, devices.jax_device("jax-cpu"), **lanes)
     for column in (OVERTURNED, SIDE, COUNT, FINISHED, LAST_MODE):
         np.testing.assert_array_equal(traced[:, column], compiled[:, column])
     np.testing.assert_allclose(traced[:, FIRST], compiled[:, FIRST], rtol=0.0, atol=1e-11)
@@ -82,7 +81,8 @@ def test_hundreds_of_runs_over_records_are_those_of_the_compiled_batch() -> None
     motions[:, SCALE] = rng.uniform(0.2, 3.0, RUNS) * pars[:, 3] * pars[:, 2]
     t_start = np.where(np.arange(RUNS) % 5 == 0, 1.37, -0.6)
     t_end = t_start + rng.uniform(3.0, 9.0, RUNS)
-    must_agree(pars, samples, start_rows(**start, t_start=t_start, t_end=t_end), motions)
+    # Fewer lanes than runs: a lane takes one run after another.
+    must_agree(pars, samples, start_rows(**start, t_start=t_start, t_end=t_end), motions, most_lanes=128)
     np.testing.assert_array_equal(rows[:, LARGEST_SAMPLE], 1.0)
 
 
@@ -124,15 +124,17 @@ def test_a_map_on_a_device_of_jax_is_the_map_and_says_where_it_was_made() -> Non
     def build(frequency: float, amplitude: float) -> Any:
         return Method1(Block(0.15, 0.5), form="linear"), RampedSinusoid(frequency, 3.0, amplitude)
 
-    axes = {"frequency": [1.0, 2.0, 4.0], "amplitude": [1.0, 4.0, 30.0]}
+    # As many runs as above, so that what was compiled there serves.
+    axes = {"frequency": np.linspace(0.8, 4.0, 20), "amplitude": np.linspace(1.0, 30.0, RUNS // 20)}
     compiled = overturning_map(build, axes, t_end=3.0, solver="exact", device="cpu")
     traced = overturning_map(build, axes, t_end=3.0, solver="exact", device="jax-cpu")
     assert (compiled.attrs["device"], traced.attrs["device"]) == ("cpu", "jax-cpu: cpu")
-    assert 0 < int(compiled.overturned.sum()) < 9
+    assert 40 < int(compiled.overturned.sum()) < RUNS - 40
     for name in ("overturned", "side", "impacts", "outcome"):
         np.testing.assert_array_equal(traced[name], compiled[name])
     for name in ("peak_rotation", "overturning_time", "onset_time", "t_end"):
-        np.testing.assert_allclose(traced[name], compiled[name], rtol=0.0, atol=1e-11)
+        # Rounding, multiplied by the impacts: the solvers exact and taylor differ by 9e-11 on one of these runs.
+        np.testing.assert_allclose(traced[name], compiled[name], rtol=0.0, atol=1e-9)
 
 
 def test_a_gpu_is_taken_unasked_for_many_runs_alone_and_only_where_there_is_one(monkeypatch: Any) -> None:

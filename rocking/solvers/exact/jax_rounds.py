@@ -222,55 +222,80 @@ def strike(F: Fixed, M: Moving, step: Step, reach: Any, tau: Any, max_events: An
     return Struck(v, s, rests | (more > 0), more)
 
 
-def one_step(F: Fixed, base: Base, M: Moving, max_events: Any, wave: bool) -> Moving:
-    """Every lane goes on to the end of its interval or to what happens before, one thing at a time."""
+class Found(NamedTuple):
+    """How far a lane goes, and what happens there."""
+
+    step: Step
+    kind: Any  # NOTHING where nothing does
+    reach: Any
+    stays: Any  # the balance is passed on the way to what was found, and looked for first: up to there
+    cap: Any
+
+
+def searched(F: Fixed, base: Base, M: Moving, wave: bool) -> Found:
+    """What each lane meets next.
+
+    A decision is made once: were it made again for each number that hangs on it, rounding might make it otherwise.
+    """
     step = next_step(F, base, M, wave)
     kind, q = wanted(F, M, step)
-    found_at, found = first_descent(q, step.h)
-    looks = kind != NOTHING
-    found, reach = found & looks, jnp.where(looks, found_at, step.h)
-    # A decision is made once: were it made again for each number that hangs on it, rounding might make it otherwise.
-    step, kind, found, reach = lax.optimization_barrier((step, kind, found, reach))
-    hit = {code: found & (kind == code) for code in (TIP, PASSAGE, FALL, CREST, LANDING)}
-    x, v = value(step.c, reach), slope(step.c, reach)
-    # Beyond the balance, with its passage before: that is looked for first, no farther than to where this one got.
-    first_passes = ~M.rests & ~hit[PASSAGE] & (M.x < F.alpha) & (x >= F.alpha)
-    first_passes, reached = lax.optimization_barrier((first_passes, reach))
-    hit = {code: one & ~first_passes for code, one in hit.items()}
-    stays = M.rests | first_passes
-    reach = jnp.where(first_passes, 0.0, reach)
-    tau = M.tau + reach
-    now = moment(F, M.k, tau)
-    struck = lax.optimization_barrier(strike(F, M, step, reach, tau, max_events, wave))
-    x = jnp.where(hit[PASSAGE], F.alpha, jnp.where(hit[LANDING], 0.0, jnp.maximum(x, 0.0)))
-    x = jnp.where(stays, M.x, jnp.where(hit[FALL], 0.5 * math.pi, x))
-    v = jnp.where(stays, M.v, jnp.where(hit[CREST], 0.0, v))
-    calm = hit[LANDING] & struck.rests
-    a = value(step.a, reach)
-    event = hit[TIP] | hit[LANDING]
-    stalls = jnp.where(event, jnp.where(now - M.last < STALL_TIME, M.stalls + 1, 0), M.stalls)
-    events = M.events + (event | hit[PASSAGE] | hit[FALL]) + jnp.where(hit[LANDING], struck.more, 0)
-    at_cap = (tau >= M.cap) & ~first_passes
-    whole = lax.optimization_barrier(step.whole & ~found & (reach >= step.h))
-    on = M._replace(
+    at, found = first_descent(q, step.h)
+    reach = jnp.where(kind == NOTHING, step.h, at)
+    step, kind, reach = lax.optimization_barrier((step, jnp.where(found, kind, NOTHING), reach))
+    beyond = ~M.rests & (kind != PASSAGE) & (M.x < F.alpha) & (value(step.c, reach) >= F.alpha)
+    beyond, cap = lax.optimization_barrier((beyond, M.tau + reach))
+    return Found(step, jnp.where(beyond, NOTHING, kind), jnp.where(beyond, 0.0, reach), beyond, cap)
+
+
+def moved(F: Fixed, M: Moving, f: Found, struck: Struck) -> Moving:
+    """The lanes at the end of their way, before what they have met is counted."""
+    calm = (f.kind == LANDING) & struck.rests
+    x, v, a = value(f.step.c, f.reach), slope(f.step.c, f.reach), value(f.step.a, f.reach)
+    for kind, tilt in ((PASSAGE, F.alpha), (FALL, 0.5 * math.pi), (LANDING, 0.0)):
+        x = jnp.where(f.kind == kind, tilt, jnp.maximum(x, 0.0))
+    v = jnp.where(f.kind == CREST, 0.0, jnp.where(f.kind == LANDING, struck.v, v))
+    keeps = M.rests | f.stays
+    s = jnp.where(f.kind == TIP, jnp.where(a < 0.0, 1.0, -1.0), M.s)
+    tau = M.tau + f.reach
+    whole = (f.step.whole & (f.kind == NOTHING) & ~f.stays) & (f.reach >= f.step.h)
+    whole = lax.optimization_barrier(whole)
+    x = jnp.where(keeps, M.x, x)
+    return M._replace(
         x=x,
-        v=jnp.where(hit[LANDING], jnp.where(calm, 0.0, struck.v), v),
-        s=jnp.where(hit[LANDING], struck.s, jnp.where(hit[TIP], -jnp.where(a < 0.0, -1.0, 1.0), M.s)),
-        rests=(M.rests & ~hit[TIP]) | calm,
-        tipped=hit[TIP] | (M.tipped & (reach <= 0.0)),
+        v=jnp.where(calm, 0.0, jnp.where(keeps, M.v, v)),
+        s=jnp.where(f.kind == LANDING, struck.s, s),
+        rests=(M.rests & (f.kind != TIP)) | calm,
+        tipped=(f.kind == TIP) | (M.tipped & (f.reach <= 0.0)),
         k=M.k + whole,
         tau=jnp.where(whole, 0.0, tau),
-        cap=jnp.where(first_passes, M.tau + reached, jnp.where(at_cap | whole, jnp.inf, M.cap)),
+        cap=jnp.where(f.stays, f.cap, jnp.where((tau >= M.cap) | whole, jnp.inf, M.cap)),
         peak=jnp.minimum(jnp.maximum(M.peak, x), jnp.maximum(0.5 * math.pi, M.peak)),
-        passage=jnp.where(hit[PASSAGE], now, M.passage),
-        onset_time=jnp.where(hit[TIP] & jnp.isnan(M.onset_time), now, M.onset_time),
-        impacts=M.impacts + jnp.where(hit[LANDING], 1 + struck.more, 0),
-        events=events,
-        stalls=stalls,
-        last=jnp.where(event | hit[FALL], now, M.last),
     )
+
+
+def counted(M: Moving, f: Found, struck: Struck, now: Any) -> Moving:
+    """The lanes with what they have met in their sums."""
+    lands, tips = f.kind == LANDING, f.kind == TIP
+    event = tips | lands
+    stalls = jnp.where(now - M.last < STALL_TIME, M.stalls + 1, 0)
+    return M._replace(
+        passage=jnp.where(f.kind == PASSAGE, now, M.passage),
+        onset_time=jnp.where(tips & jnp.isnan(M.onset_time), now, M.onset_time),
+        impacts=M.impacts + jnp.where(lands, 1 + struck.more, 0),
+        events=M.events + ((f.kind != NOTHING) & (f.kind != CREST)) + jnp.where(lands, struck.more, 0),
+        stalls=jnp.where(event, stalls, M.stalls),
+        last=jnp.where(event | (f.kind == FALL), now, M.last),
+    )
+
+
+def one_step(F: Fixed, base: Base, M: Moving, max_events: Any, wave: bool) -> Moving:
+    """Every lane goes on to the end of its interval or to what happens before, one thing at a time."""
+    f = searched(F, base, M, wave)
+    tau = M.tau + f.reach
+    struck = lax.optimization_barrier(strike(F, M, f.step, f.reach, tau, max_events, wave))
+    on = counted(moved(F, M, f, struck), f, struck, moment(F, M.k, tau))
     endings = (
-        (hit[FALL], FELL),
+        (f.kind == FALL, FELL),
         (on.stalls > MAX_STALLED, STALLED),
         (on.events > max_events, TOO_MANY_EVENTS),
         (on.k > F.k_last, REACHED_END),
