@@ -1,7 +1,7 @@
 """Contact judgement: which parameters decide that two bodies touch, and what each of them moves.
 
 See          medians within the grey band are moved no more than by chance; the skin and the distance of updating move
-             nothing but the cost; damping moves the criterion of overturning most.
+             nothing but the cost; where the column falls at once, nothing moves the criterion of overturning.
 Paper says   nobody had yet examined how much these parameters matter (Winkler, Meguro & Yamazaki 1995).
 Run          python -m studies.contact_judgement [--quick]  ->  build/studies/contact_judgement.nc, .png and .pdf
 """
@@ -46,7 +46,7 @@ class JudgementPlan:
 
     settings: ColumnSettings
     variations: tuple[Variation, ...] = VARIATIONS
-    frequencies: tuple[float, ...] = (2.0, 4.0)
+    frequencies: tuple[float, ...] = (2.0, 3.0, 4.0)
     trials: int = 6
     default_trials: int = 24  # of the defaults, from which chance is known
 
@@ -73,7 +73,6 @@ def plan_of(options: argparse.Namespace) -> JudgementPlan:
 
 def _jobs(plan: JudgementPlan) -> list[tuple[Variation, float, int]]:
     default = [(DEFAULT, f, trial) for f in plan.frequencies for trial in range(plan.default_trials)]
-    # Trials of their own: the default's are not used twice.
     varied = [(v, f, trial) for v in plan.variations for f in plan.frequencies for trial in range(plan.trials)]
     return default + varied
 

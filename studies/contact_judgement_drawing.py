@@ -29,7 +29,7 @@ def figure(ds: xr.Dataset) -> Figure:
     criterion.set_yticks(rows, names, fontsize=8)
     criterion.invert_yaxis()
     criterion.set_xlabel("Criterion of overturning over the defaults' median [ln]\n(dots: single runs)", fontsize=9)
-    criterion.legend(fontsize=8, loc="lower right")
+    criterion.legend(fontsize=8, loc="upper left")
     drop.plot(np.maximum(ds.difference, 1e-16), rows, "s", color="k", ms=4)
     drop.axvline(float(ds.default_difference), color="0.4", ls="--", lw=0.9)
     drop.set_xscale("log")
@@ -46,6 +46,6 @@ def figure(ds: xr.Dataset) -> Figure:
         fig,
         "Parameters of contact judgement, one changed at a time; the paper says that nobody had examined them. Notice: "
         "a single run is chaotic, so a parameter matters only where medians leave the grey band. Skin and distance of "
-        "updating change the cost alone. What moves the criterion is what the contact is made of, damping above all.",
+        "updating, and how exactly an edge has to face a corner, change the cost alone.",
     )
     return fig

@@ -21,6 +21,7 @@ from studies.contact_judgement_runs import (
     column_run,
     drop,
     judgement_of,
+    trembled,
 )  # fmt: skip
 from studies.specimens import specimen
 from studies.study import make
@@ -81,12 +82,16 @@ def test_a_reach_lifts_what_it_carries_and_is_taken_out_of_the_drop():
 
 def test_a_run_of_a_column_is_that_of_the_engine():
     found = column_run(DEFAULT, 3.0, 2, SETTINGS)
-    motion = replace(SETTINGS, ramp=SETTINGS.ramp * (1.0 + 2e-6)).motion(3.0)
+    motion = replace(SETTINGS, ramp=SETTINGS.ramp * (1.0 - 1e-3)).motion(3.0)
     block, contact = specimen(3), SETTINGS.contact
     scene = dem.column(2, block.b, block.h, block.d, block.density)
     run = dem.simulate_assembly(scene, motion, t_end=90.0, contact=contact, criteria=dem.Criteria(margin=1e3))
     assert found["amplitude"] == float(motion.envelope(run.overturning_time))
     assert found["lists"] > 0.0 and found["seconds"] > 0.0 and "overturned" in found["note"]
+
+
+def test_trials_lie_on_both_sides_of_the_ramp():
+    assert [round(trembled(trial), 12) for trial in range(5)] == [0.0, 0.001, -0.001, 0.002, -0.002]
 
 
 def made_up(shift, variations=VARIATIONS, spread=0.1, seed=0):
@@ -95,7 +100,7 @@ def made_up(shift, variations=VARIATIONS, spread=0.1, seed=0):
     trials, many = 6, 24
     amplitude = np.stack([np.exp(shift(v) + spread * random.standard_normal((2, trials))) for v in variations])
     default = np.exp(spread * random.standard_normal((2, many)))
-    same = [i for i, v in enumerate(variations) if v.group in ("skin", "update_after")]
+    same = [i for i, v in enumerate(variations) if v.group in ("skin", "update_after", "facing")]
     amplitude[same] = default[:, :trials]
     ds = xr.Dataset(
         {
