@@ -64,7 +64,6 @@ def figure(ds: xr.Dataset) -> Figure:
     _changes(axes[2], ds, "dashpot", "Dashpot changed")
     axes[1].legend(fontsize=7)
     axes[1].set_ylabel("Over that of the fit")
-    axes[2].sharey(axes[1])
     axes[3].set_xscale("log", base=2)
     axes[3].set_title("Best fit at another stiffness", fontsize=10)
     axes[3].set_xlabel("Stiffness over the paper's")
