@@ -7,6 +7,7 @@ import sys
 import time
 
 import numpy as np
+import pytest
 
 from studies.parts import Parts, sources_hash
 
@@ -91,6 +92,7 @@ def test_kill_9_loses_no_finished_run_and_leaves_no_half_one(tmp_path):
     assert all(path.stat().st_mtime_ns == when for path, when in whole.items())
 
 
+@pytest.mark.slow
 def test_a_killed_study_goes_on_and_ends_as_an_undisturbed_one(tmp_path):
     import xarray as xr
 
