@@ -114,7 +114,8 @@ def _plain(value: float) -> float | None:
 
 def deciding(finding: OutcomeFinding) -> Round:
     """The round in which what was chosen was compared; the first where nothing was."""
-    return finding.rounds[min(max(0, len(finding.chosen.parts) - 1), len(finding.rounds) - 1)]
+    own = finding.chosen.names
+    return next((r for r in finding.rounds if any(t.names == own for t in r.refined)), finding.rounds[0])
 
 
 def candidate_rows(finding: OutcomeFinding) -> list[dict[str, Any]]:
@@ -126,7 +127,10 @@ def candidate_rows(finding: OutcomeFinding) -> list[dict[str, Any]]:
         row: dict[str, Any] = {"effect": tried.effects[-1], "form": form, "holdout_error": None}
         if form in settled:
             row["evidence"] = search.criterion(settled[form]) - search.criterion(last.onto)
-            row["holdout_error"] = finding.rival_errors.get(settled[form].names)
+            own = settled[form].names == finding.chosen.names
+            row["holdout_error"] = (
+                finding.error("after")["holdout"] if own else finding.rival_errors.get(settled[form].names)
+            )
         else:
             # Runs at the nominal strength alone, for both.
             gain = 2.0 * (tried.points[0].value - last.onto.points[0].value)

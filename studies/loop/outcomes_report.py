@@ -19,7 +19,7 @@ from studies import _run
 from studies.loop import outcomes_figures as figures
 from studies.loop import outcomes_text as text
 from studies.loop.outcomes import CHANCE, PAYS
-from studies.loop.outcomes_finding import OutcomeFinding
+from studies.loop.outcomes_finding import OutcomeFinding, deciding
 from studies.loop.outcomes_search import DRAWS
 from studies.loop.outcomes_weighing import TWIN
 from studies.loop.report import TEMPLATE as STYLED
@@ -156,7 +156,7 @@ def _calibrated(finding: OutcomeFinding) -> list[dict[str, Any]]:
 def _sure(finding: OutcomeFinding, content: dict[str, Any]) -> list[str]:
     """Facts on which trust can rest, as sentences."""
     counts, error = _counts(finding), content["error"]
-    last = finding.rounds[max(0, len(finding.chosen.parts) - 1)] if finding.rounds else None
+    last = deciding(finding)
     tried = len({p.model.restitution for p in finding.base.points}) + sum(
         len(t.points) for r in finding.rounds for t in r.first.values()
     )
@@ -170,7 +170,7 @@ def _sure(finding: OutcomeFinding, content: dict[str, Any]) -> list[str]:
         f"outcomes drawn "
         f"{DRAWS} times from the model below may let the best of all that were tried gain as much in at most "
         f"{100 * CHANCE:g} % of the draws"
-        + (f"; they did in {100 * last.chance:.2g} %." if last is not None else "."),
+        + f"; they did in {100 * last.chance:.2g} %.",
         f"Rivals within {TWIN:g} of the best in evidence count as not to be told apart.",
         f"The model after allows for a strength of the motion that is off by a factor of "
         f"{math.exp(content['strength_spread']):.2f} (one standard deviation) and for "

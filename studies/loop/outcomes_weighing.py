@@ -22,6 +22,10 @@ TWIN = 8.0
 DRAWS = 1000
 LEVEL = 0.95
 
+DROP = 4.0
+"""Points whose log-likelihood is this much below the best are within the interval: 1.92 by Wilks, and as much again for
+the ruggedness of a likelihood in which one outcome more or less is worth that."""
+
 
 def densely(search: Search, tried: Tried) -> Tried:
     """With more points about the best ones, so that intervals have something to be read from."""
@@ -33,7 +37,10 @@ def densely(search: Search, tried: Tried) -> Tried:
 def intervals(
     search: Search, tried: Tried, group: NDArray[np.int64], seed: int = 0
 ) -> dict[str, tuple[float, float, float]]:
-    """Value and 95 % interval of each parameter: motions are weighed anew, and the best of the points is read off.
+    """Value and 95 % interval of each parameter.
+
+    Motions are weighed anew and the best of the points is read off each time; points that are about as likely as the
+    best are within the interval in any case.
 
     Args:
         tried: with points that lie densely about the best.
@@ -46,10 +53,13 @@ def intervals(
     weights = np.random.default_rng(seed).standard_exponential((DRAWS, int(group.max()) + 1))[:, group]
     value = np.max(np.einsum("rmt,dt->rmd", table, weights), axis=0)
     chosen = np.argmax(value, axis=0)
+    whole = np.max(table.sum(axis=2), axis=0)
+    chosen = np.concatenate([chosen, np.flatnonzero(whole >= whole.max() - DROP)])
     out = {}
     for p in tried.parameters:
         every = np.array([model.get(p.name) for model in models])
-        low, high = np.quantile(every[chosen], [0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL)])
+        low, high = np.quantile(every[chosen[:DRAWS]], [0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL)])
+        low, high = min(low, every[chosen[DRAWS:]].min()), max(high, every[chosen[DRAWS:]].max())
         at = tried.top.model.get(p.name)
         # Between two points that were run nothing is known.
         gap = _gap(every, at)
