@@ -42,7 +42,7 @@ VERTICAL = 2.0 / 3.0
 class Plan:
     """What is computed."""
 
-    peaks: tuple[float, ...] = tuple(np.geomspace(0.15 * G, 1.2 * G, 8).round(4).tolist())
+    peaks: tuple[float, ...] = tuple(np.geomspace(0.18 * G, 0.48 * G, 8).round(4).tolist())
     seeds: int = 8
     friction: float = 0.7
 
@@ -133,14 +133,15 @@ def figure(ds: xr.Dataset) -> Figure:
     left.legend(fontsize=8)
     left.grid(alpha=0.3)
     found = least(ds) / G
-    width = float(ds.peak.max()) / G * 1.15
+    width = float(ds.peak.max()) / G * 1.1
+    start = float(ds.peak.min()) / G * 0.8
     for j, up in enumerate(ds.vertical.values):
         at = found.sel(vertical=up).clip(max=width)
         x, y = (at.sel(scene=name) for name in ds.scene.values)
-        shift = (j - 0.5) * 0.01
+        shift = (j - 0.5) * 0.004
         right.plot(x + shift, y + shift, ls="none", marker="o^"[j], mfc="none", color=("#0072B2", "#D55E00")[j],
                    label=f"{'with' if up else 'no'} vertical motion")  # fmt: skip
-    right.plot([0.0, width], [0.0, width], color="0.5", lw=0.8)
+    right.plot([start, width], [start, width], color="0.5", lw=0.8)
     right.set_xlabel(f"Least felling peak, {ds.scene.values[0]} [g]")
     right.set_ylabel(f"Least felling peak, {ds.scene.values[1]} [g]")
     right.legend(fontsize=8)
