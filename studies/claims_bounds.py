@@ -245,7 +245,7 @@ _ALL = (
     Claim(
         "earthquakes.vertical", "Vertical motion changes little of who falls", "beyond the paper",
         "largest share of the motions in which it changes the median felling acceleration class", "<=", 0.2,
-        depends="motions, size of the vertical motion",
+        depends="motions, size of the vertical motion, width of the classes of acceleration",
     ),
     Claim(
         "tombstones.misleads", "West's formula turned round misleads", "Introduction",
