@@ -27,6 +27,10 @@ def test_all_are_close():
     np.testing.assert_allclose([1.0, 2.0], [1.0, 2.0001], rtol=1e-3)
 
 
+def test_a_gap_is_a_gap():
+    assert [1.0, float("nan")] == pytest.approx([1.0, float("nan")], nan_ok=True)
+
+
 def test_order():
     assert 1.23456789 < 2.0
 '''
@@ -52,5 +56,7 @@ def test_comparisons_sources_and_numbers_are_noted(tmp_path):
     assert length["beside"] == "From a table."
     assert rows["test_all_are_close"]["found"] == "2"
     assert rows["test_all_are_close"]["beside"] == "Against themselves."
+    # NaN against NaN is no number.
+    assert (rows["test_a_gap_is_a_gap"]["found"], rows["test_a_gap_is_a_gap"]["wanted"]) == ("1", "1")
     assert rows["test_order"]["found"] == "1.23457 < 2.0"
     assert rows["test_order"]["beside"] == "Head of the file."
