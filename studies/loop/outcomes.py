@@ -64,7 +64,7 @@ def close(campaign: Campaign, *, g: float, tell: Tell = lambda text: None) -> Ou
         CampaignError: the outcomes cannot support a finding; it says why.
     """
     data = prepare(campaign)
-    fitted = data.fitted
+    fitted, group = data.fitted, data.group[data.fitted]
     runs = Runs([data.tests[i] for i in fitted], [data.numbers[i] for i in fitted], campaign.block)
     search = Search(runs, data.fell[fitted], tell)
     declared = declared_model(campaign, g)
@@ -89,7 +89,7 @@ def close(campaign: Campaign, *, g: float, tell: Tell = lambda text: None) -> Ou
     }
     return OutcomeFinding(
         data, search, verdict, stages, base, chosen, rivals, _held_out_errors(data, rounds, tell), tuple(rounds),
-        intervals(search, chosen, data.group[fitted]), twins(rivals), floor, structure, (*data.notes, *notes),
+        intervals(search, chosen, group, floor["fit"]), twins(rivals), floor, structure, (*data.notes, *notes),
         next_test(data, runs, rivals if len(rivals) > 1 else _open(base, chosen, rounds)),
     )  # fmt: skip
 

@@ -22,9 +22,8 @@ TWIN = 8.0
 DRAWS = 1000
 LEVEL = 0.95
 
-DROP = 4.0
-"""Points whose log-likelihood is this much below the best are within the interval: 1.92 by Wilks, and as much again for
-the ruggedness of a likelihood in which one outcome more or less is worth that."""
+WILKS = 1.92
+"""Fall of the log-likelihood from the best to the ends of a 95 % interval, where it is smooth."""
 
 
 def densely(search: Search, tried: Tried) -> Tried:
@@ -35,7 +34,7 @@ def densely(search: Search, tried: Tried) -> Tried:
 
 
 def intervals(
-    search: Search, tried: Tried, group: NDArray[np.int64], seed: int = 0
+    search: Search, tried: Tried, group: NDArray[np.int64], floor: float, seed: int = 0
 ) -> dict[str, tuple[float, float, float]]:
     """Value and 95 % interval of each parameter.
 
@@ -45,6 +44,8 @@ def intervals(
     Args:
         tried: with points that lie densely about the best.
         group: motion of each fitted test, shape (test,).
+        floor: share of outcomes that base noise alone flips: twice the standard deviation of their number, at what each
+            is worth, is allowed on top of Wilks's fall, since so much of a peak is luck.
     """
     models = [point.model for point in tried.points]
     falls = search.runs.falls(models, NOMINAL)
@@ -53,8 +54,11 @@ def intervals(
     weights = np.random.default_rng(seed).standard_exponential((DRAWS, int(group.max()) + 1))[:, group]
     value = np.max(np.einsum("rmt,dt->rmd", table, weights), axis=0)
     chosen = np.argmax(value, axis=0)
-    whole = np.max(table.sum(axis=2), axis=0)
-    chosen = np.concatenate([chosen, np.flatnonzero(whole >= whole.max() - DROP)])
+    each = table.sum(axis=2)
+    whole, rate = np.max(each, axis=0), ERROR_RATES[int(np.argmax(np.max(each, axis=1)))]
+    n = search.fell.size
+    drop = WILKS + 2.0 * np.sqrt(n * floor * (1.0 - floor) + 1.0) * np.log((1.0 - rate) / rate)
+    chosen = np.concatenate([chosen, np.flatnonzero(whole >= whole.max() - drop)])
     out = {}
     for p in tried.parameters:
         every = np.array([model.get(p.name) for model in models])

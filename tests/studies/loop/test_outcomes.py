@@ -11,7 +11,7 @@ import xarray as xr
 from rocking.effects import available
 from studies.campaigns import Campaign, CampaignError, Channel, Conditions, DeclaredBlock, Test, read, write
 from studies.laboratory.outcomes import make_outcomes
-from studies.loop import outcomes
+from studies.loop import outcomes, outcomes_search
 from studies.loop.__main__ import main
 from studies.loop.model import LoopModel
 from studies.loop.model_file import ModelError, read_model
@@ -143,16 +143,17 @@ def few(names):
     return lambda block: tuple(form for form in forms(block) if form.candidate.name in names)
 
 
-NAMES = ("rounded_edges", "quadratic_drag", "base_tilt")
+NAMES = ("rounded_edges", "base_tilt")
 
 
 @pytest.fixture(scope="module")
 def rounded(tmp_path_factory):
     """A small virtual campaign of a block with round edges, closed with a short list of effects, and predicted."""
     folder = tmp_path_factory.mktemp("rounded")
-    truth = make_outcomes(5, ["rounded_edges"], folder, motions=10)
+    truth = make_outcomes(1, ["rounded_edges"], folder, motions=12)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(outcomes, "forms", few(NAMES))
+        patch.setattr(outcomes_search, "MOST_POINTS", 24)
         assert main([str(folder / "campaign"), "--out", str(folder / "loop"), "--quiet"]) == 0
     model = str(folder / "loop" / "model.toml")
     assert main(["predict", model, str(folder / "predict"), "--out", str(folder / "ahead"), "--quiet"]) == 0
@@ -202,9 +203,10 @@ def test_files_of_outcomes(rounded) -> None:
 
 @pytest.mark.slow
 def test_clean_outcomes_are_found_clean(tmp_path) -> None:
-    make_outcomes(6, [], tmp_path, motions=10)
+    make_outcomes(1, [], tmp_path, motions=10)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(outcomes, "forms", few(NAMES))
+        patch.setattr(outcomes_search, "MOST_POINTS", 24)
         assert main([str(tmp_path / "campaign"), "--out", str(tmp_path / "loop"), "--quiet"]) == 0
     found = json.loads((tmp_path / "loop" / "loop.json").read_text())
     assert (found["verdict"], found["effects"]) == ("none", [])
