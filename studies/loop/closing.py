@@ -24,7 +24,7 @@ from studies.loop.scoring import Errors, errors, leaning, median
 from studies.loop.settling import Settled, intervals, rms_under, settle, whole_fit
 from studies.loop.spread import floor, variances
 from studies.loop.tracing import LEAST_GAIN, PAYS, Round, Trial, all_candidates, baseline, bic, pays, search
-from studies.loop.windows import scored_window
+from studies.loop.windows import SIDE, scored_window
 
 Array = NDArray[np.float64]
 Tell = Callable[[str], None]
@@ -47,11 +47,17 @@ TWIN = 12.0
 NEAR_TWIN = 400.0
 """Rivals within this after the search are fitted again to the end before they are ruled out."""
 
-STRUCTURE = 1.08
-"""Rms over the noise in the swings from which structure is left; the states of a window take some of the noise up."""
+STRUCTURE = 1.03
+"""Rms in the swings over what the noise leaves of it from which structure is left: four of its standard deviations in
+ten thousand samples."""
 
-UNEXPLAINED = 1.3
-"""And from which it is too much to speak of an effect even where nothing can be learned."""
+STRUCTURE_OF_ESTIMATED = 1.08
+"""The same where the noise is not declared but estimated from the records."""
+
+UNEXPLAINED = 1.05
+"""And from which it is too much to speak of an effect alone even where nothing can be learned."""
+
+UNEXPLAINED_OF_ESTIMATED = 1.3
 
 
 OF_THE_ROTATION_SENSOR = ("rotation_gain", "rotation_offset")
@@ -206,15 +212,18 @@ def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[R
 
 def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Trial, Verdict]:
     """The trial to keep: the named effects if they leave nothing, else with what was learned of the rest."""
-    if named.swing.rms < STRUCTURE and len(named.parts) < 2:
+    structured = _over_noise(named.swing) > _structure(setup)
+    if not structured and len(named.parts) < 2:
         return named, "effect" if named.parts else "none"
     tell("learning what no effect explains")
     # Effects may stand for something unnamed, several of them above all: learning starts from the calibrated block too.
     routes = [learn(setup.simulator, onto, tell) for onto in ([plain] if named is plain else [plain, named])]
     best = min(routes, key=lambda t: bic(t.swing))
     learned = any(part.effect == LEARNED for part in best.parts)
-    if not learned or bic(best.swing) > bic(named.swing) - (PAYS if named.swing.rms >= STRUCTURE else 0.0):
-        return named, "unexplained" if named.swing.rms > UNEXPLAINED else "effect" if named.parts else "none"
+    if not learned or bic(best.swing) > bic(named.swing) - (PAYS if structured else 0.0):
+        return named, "unexplained" if _over_noise(named.swing) > _unexplained(
+            setup
+        ) else "effect" if named.parts else "none"
     if bic(routes[0].swing) < bic(best.swing) + PAYS:
         best = routes[0]
     return best, "unexplained"
@@ -227,6 +236,24 @@ def _declared(campaign: Campaign, g: float) -> LoopModel:
         return model
     housner = 1.0 - 1.5 * math.sin(campaign.block.alpha) ** 2
     return replace(model, restitution=min(max(housner, 0.05), 1.0))
+
+
+def _over_noise(swing: Fit) -> float:
+    """Rms of the swings over what is left of pure noise once each window has fitted its two states."""
+    free = 2 * len(swing.windows) + len(swing.parameters)
+    return swing.rms / math.sqrt(max(1.0 - free / max(swing.samples, 1), 0.1))
+
+
+def _structure(setup: Setup) -> float:
+    return STRUCTURE if _declared_noise(setup) else STRUCTURE_OF_ESTIMATED
+
+
+def _unexplained(setup: Setup) -> float:
+    return UNEXPLAINED if _declared_noise(setup) else UNEXPLAINED_OF_ESTIMATED
+
+
+def _declared_noise(setup: Setup) -> bool:
+    return all(c.noise for record in setup.records for c in record.channels if c is not SIDE)
 
 
 def _unseen(setup: Setup) -> tuple[str, ...]:
