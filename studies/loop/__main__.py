@@ -19,10 +19,10 @@ from studies.loop.dataset import dataset, save
 from studies.loop.finding_file import as_json, write_finding
 from studies.loop.model_file import ModelError, read_model, write_model
 from studies.loop.next_test import next_test
-from studies.loop.outcomes_command import close_outcomes
-from studies.loop.outcomes_prediction import read_noise, write_outcome_predictions
+from studies.loop.outcomes.command import close_outcomes
+from studies.loop.outcomes.prediction import read_noise, write_outcome_predictions
 from studies.loop.prediction import write_predictions
-from studies.loop.report import write_report
+from studies.loop.report.page import write_report
 
 
 class _Progress:

@@ -1,6 +1,6 @@
 """The loop, from a campaign to a finding: calibrate, trace, refit, compare, and predict what nothing saw.
 
-Status   campaigns with records of the response; `studies.loop.outcomes` has those that hold outcomes alone.
+Status   campaigns with records of the response; `studies.loop.outcomes.closing` has those that hold outcomes alone.
 """
 
 from __future__ import annotations

@@ -204,7 +204,7 @@ def _root(finding: Finding) -> xr.Dataset:
 
 def _parameters(finding: Finding) -> xr.Dataset:
     """Fitted parameters of the model after, with their intervals."""
-    from studies.loop.report_names import parameter_units
+    from studies.loop.report.names import parameter_units
 
     names = list(finding.intervals)
     values = np.array([finding.intervals[name] for name in names], dtype=np.float64).reshape(-1, 3)

@@ -11,7 +11,7 @@ import xarray as xr
 
 from studies.campaigns import Campaign
 from studies.loop.dataset import HELD_OUT
-from studies.loop.report_text import amount
+from studies.loop.report.text import amount
 
 
 @dataclass(frozen=True)

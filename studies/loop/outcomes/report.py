@@ -16,17 +16,16 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from studies import _run
-from studies.loop import outcomes_figures as figures
-from studies.loop import outcomes_text as text
-from studies.loop.outcomes import CHANCE, PAYS
-from studies.loop.outcomes_finding import OutcomeFinding, deciding
-from studies.loop.outcomes_search import DRAWS
-from studies.loop.outcomes_weighing import TWIN
-from studies.loop.report import TEMPLATE as STYLED
-from studies.loop.report_names import OWN, page, parameter_units, readable
-from studies.loop.report_text import number, with_interval
+from studies.loop.outcomes import figures, text
+from studies.loop.outcomes.closing import CHANCE, PAYS
+from studies.loop.outcomes.finding import OutcomeFinding, deciding
+from studies.loop.outcomes.search import DRAWS
+from studies.loop.outcomes.weighing import TWIN
+from studies.loop.report.names import OWN, page, parameter_units, readable
+from studies.loop.report.page import TEMPLATE as STYLED
+from studies.loop.report.text import number, with_interval
 
-TEMPLATE = "outcomes.html.jinja"
+TEMPLATE = "report.html.jinja"
 
 
 def report(finding: OutcomeFinding, content: dict[str, Any], tree: xr.DataTree) -> str:
@@ -38,11 +37,11 @@ def report(finding: OutcomeFinding, content: dict[str, Any], tree: xr.DataTree) 
         tree: of loop.nc.
     """
     environment = Environment(
-        loader=PackageLoader("studies.loop", "."), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
-        lstrip_blocks=True,
+        loader=PackageLoader("studies.loop.outcomes", "."), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
     environment.filters |= {"num": _num, "share": _share, "readable": readable}
-    return environment.get_template(TEMPLATE).render(_facts(finding, content, tree), style=_style(environment))
+    return environment.get_template(TEMPLATE).render(_facts(finding, content, tree), style=_style())
 
 
 def write_report(finding: OutcomeFinding, content: dict[str, Any], tree: xr.DataTree, path: Path) -> None:
@@ -51,8 +50,9 @@ def write_report(finding: OutcomeFinding, content: dict[str, Any], tree: xr.Data
     _run.write_whole(path, lambda target: target.write_bytes(html))
 
 
-def _style(environment: Environment) -> Markup:
+def _style() -> Markup:
     """The style sheet of the other report: both look alike."""
+    environment = Environment(loader=PackageLoader("studies.loop.report", "."), autoescape=True)
     assert environment.loader is not None
     source = environment.loader.get_source(environment, STYLED)[0]
     found = re.search(r"<style>.*?</style>", source, re.DOTALL)

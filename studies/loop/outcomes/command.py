@@ -9,11 +9,11 @@ from pathlib import Path
 from studies.campaigns import Campaign
 from studies.loop.dataset import save
 from studies.loop.finding_file import write_finding
-from studies.loop.outcomes import close
-from studies.loop.outcomes_dataset import dataset
-from studies.loop.outcomes_finding import as_json
-from studies.loop.outcomes_prediction import write_outcome_model
-from studies.loop.outcomes_report import write_report
+from studies.loop.outcomes.closing import close
+from studies.loop.outcomes.dataset import dataset
+from studies.loop.outcomes.finding import as_json
+from studies.loop.outcomes.prediction import write_outcome_model
+from studies.loop.outcomes.report import write_report
 
 
 def close_outcomes(campaign: Campaign, folder: Path, g: float, tell: Callable[[str], None]) -> str:

@@ -11,10 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from studies.loop.outcomes_data import OutcomeData
-from studies.loop.outcomes_likelihood import ERROR_RATES, Array, Noise, by_test, probability, shares
-from studies.loop.outcomes_runs import FINE, NOMINAL, Runs
-from studies.loop.outcomes_search import Search, Tried, closer
+from studies.loop.outcomes.data import OutcomeData
+from studies.loop.outcomes.likelihood import ERROR_RATES, Array, Noise, by_test, probability, shares
+from studies.loop.outcomes.runs import FINE, NOMINAL, Runs
+from studies.loop.outcomes.search import Search, Tried, closer
 
 TWIN = 8.0
 """Rivals whose criterion is within this of the best cannot be told apart: odds of exp(-4) or better."""

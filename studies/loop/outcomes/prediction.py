@@ -25,9 +25,9 @@ import tomli_w
 from studies.campaigns import Campaign, Test
 from studies.loop.model import LoopModel
 from studies.loop.model_file import ModelError, write_model
-from studies.loop.outcomes_data import scaled
-from studies.loop.outcomes_likelihood import Array, Noise, probability, weights
-from studies.loop.outcomes_runs import FINE, Falls, falls_of
+from studies.loop.outcomes.data import scaled
+from studies.loop.outcomes.likelihood import Array, Noise, probability, weights
+from studies.loop.outcomes.runs import FINE, Falls, falls_of
 from studies.loop.prediction import write_predictions
 from studies.loop.simulation import Simulator
 

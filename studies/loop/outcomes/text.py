@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from studies.loop.outcomes_search import FINAL
-from studies.loop.report_names import page, readable
-from studies.loop.report_text import effect_words, listed, number
+from studies.loop.outcomes.search import FINAL
+from studies.loop.report.names import page, readable
+from studies.loop.report.text import effect_words, listed, number
 
 Content = dict[str, Any]
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from rocking.effects import load
 from studies.loop.model import LoopModel
-from studies.loop.outcomes_candidates import UNSEEN
-from studies.loop.outcomes_data import OutcomeData
-from studies.loop.outcomes_likelihood import Array, Bools, Noise
-from studies.loop.outcomes_search import Round, Search, Tried
+from studies.loop.outcomes.candidates import UNSEEN
+from studies.loop.outcomes.data import OutcomeData
+from studies.loop.outcomes.likelihood import Array, Bools, Noise
+from studies.loop.outcomes.search import Round, Search, Tried
 
 METRIC = "share of outcomes predicted wrong"
 

@@ -17,14 +17,14 @@ from scipy.stats import binom
 
 from studies.campaigns import Campaign
 from studies.loop.model import LoopModel
-from studies.loop.outcomes_candidates import forms, terms
-from studies.loop.outcomes_data import OutcomeData, cheap, prepare, redrawn
-from studies.loop.outcomes_finding import OutcomeFinding, Stage, Verdict
-from studies.loop.outcomes_likelihood import Noise, probability
-from studies.loop.outcomes_prediction import falls_at_strengths
-from studies.loop.outcomes_runs import FINE, Runs, falls_of
-from studies.loop.outcomes_search import Round, Search, Tried, calibrated, traced
-from studies.loop.outcomes_weighing import densely, intervals, near, next_test, twins
+from studies.loop.outcomes.candidates import forms, terms
+from studies.loop.outcomes.data import OutcomeData, cheap, prepare, redrawn
+from studies.loop.outcomes.finding import OutcomeFinding, Stage, Verdict
+from studies.loop.outcomes.likelihood import Noise, probability
+from studies.loop.outcomes.prediction import falls_at_strengths
+from studies.loop.outcomes.runs import FINE, Runs, falls_of
+from studies.loop.outcomes.search import Round, Search, Tried, calibrated, traced
+from studies.loop.outcomes.weighing import densely, intervals, near, next_test, twins
 from studies.loop.simulation import Simulator
 
 Tell = Callable[[str], None]

@@ -13,8 +13,8 @@ from matplotlib import rc_context
 from matplotlib.lines import Line2D
 
 from studies._plot import new_figure
-from studies.loop.outcomes_likelihood import Array
-from studies.loop.report_figures import AFTER, BEFORE, MEASURED, STYLE, svg
+from studies.loop.outcomes.likelihood import Array
+from studies.loop.report.figures import AFTER, BEFORE, MEASURED, STYLE, svg
 
 BINS = 8
 

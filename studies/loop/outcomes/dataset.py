@@ -16,8 +16,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from studies import _run
-from studies.loop.outcomes_finding import METRIC, STAGES, OutcomeFinding
-from studies.loop.report_names import parameter_units
+from studies.loop.outcomes.finding import METRIC, STAGES, OutcomeFinding
+from studies.loop.report.names import parameter_units
 
 COMMAND = "python -m studies.loop CAMPAIGN.toml --out DIR"
 

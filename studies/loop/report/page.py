@@ -17,12 +17,10 @@ from markupsafe import Markup
 
 from studies import _run
 from studies.campaigns import Campaign
-from studies.loop import report_figures as figures
-from studies.loop import report_tables as tables
-from studies.loop import report_text as text
 from studies.loop.closing import TWIN, Finding
 from studies.loop.model import MOUNTING
-from studies.loop.report_names import OWN, page, parameter_units, readable
+from studies.loop.report import figures, tables, text
+from studies.loop.report.names import OWN, page, parameter_units, readable
 from studies.loop.tracing import LEAST_GAIN, PAYS
 
 TEMPLATE = "report.html.jinja"
@@ -37,7 +35,7 @@ def report(finding: Finding, content: dict[str, Any], tree: xr.DataTree) -> str:
         tree: of loop.nc.
     """
     environment = Environment(
-        loader=PackageLoader("studies.loop", "."), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+        loader=PackageLoader("studies.loop.report", "."), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
         lstrip_blocks=True,
     )  # fmt: skip
     environment.filters |= {"num": _num, "evidence": _evidence, "readable": readable}

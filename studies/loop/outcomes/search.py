@@ -22,9 +22,9 @@ from scipy.stats import qmc
 from studies.loop.candidates import Candidate
 from studies.loop.fitting import Parameter
 from studies.loop.model import RESTITUTION, LoopModel
-from studies.loop.outcomes_candidates import Form, restitution
-from studies.loop.outcomes_likelihood import Array, Bools, Noise, best_over_draws, probability, score
-from studies.loop.outcomes_runs import FINE, NOMINAL, Runs
+from studies.loop.outcomes.candidates import Form, restitution
+from studies.loop.outcomes.likelihood import Array, Bools, Noise, best_over_draws, probability, score
+from studies.loop.outcomes.runs import FINE, NOMINAL, Runs
 
 Tell = Callable[[str], None]
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from studies.campaigns import DeclaredBlock, Test
 from studies.loop.model import LoopModel
-from studies.loop.outcomes_data import cheap, scaled
+from studies.loop.outcomes.data import cheap, scaled
 from studies.loop.simulation import Answer, Job, Simulator
 
 Array = NDArray[np.float64]
