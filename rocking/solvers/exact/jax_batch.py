@@ -23,7 +23,7 @@ from rocking.hybrid import REST, ROTATION
 from rocking.solvers.exact.jax_lanes import RUNNING, Base, Fixed, Moving, begun, constants, idle
 from rocking.solvers.exact.jax_rounds import one_step, pass_intervals
 from rocking.solvers.recording import FELL, REACHED_END
-from rocking.solvers.taylor.batch import COLUMNS
+from rocking.solvers.taylor.columns import COLUMNS
 from rocking.solvers.taylor.records import Samples
 
 Array = NDArray[np.float64]

@@ -18,17 +18,24 @@ from numpy.typing import NDArray
 from rocking.hybrid import REST, ROTATION
 from rocking.solvers.devices import label
 from rocking.solvers.exact.motion import piecewise_linear, ramped_sine
+from rocking.solvers.taylor.columns import (
+    COLUMNS,
+    COUNT,
+    ENDED,
+    FINISHED,
+    FIRST,
+    LARGEST,
+    LAST_MODE,
+    OVERTURNED,
+    OVERTURNING,
+    SIDE,
+)  # fmt: skip
 from rocking.solvers.taylor.records import Samples, joined
 
 Array = NDArray[np.float64]
 
 PORTION = 1024
 """Runs that a thread takes at a time, at most."""
-
-OVERTURNED, SIDE, OVERTURNING, LARGEST, COUNT, FINISHED, ENDED, FIRST, LAST_MODE = range(9)
-"""Columns of what comes back of each run, as in `rocking.solvers.taylor.turns`."""
-
-COLUMNS = 9
 
 
 def carry_portions(

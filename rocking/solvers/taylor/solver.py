@@ -22,7 +22,8 @@ from rocking.hybrid import Discrete, System
 from rocking.motion import BaseMotion
 from rocking.solvers.exact.motion import piecewise_linear, ramped_sine, refusal
 from rocking.solvers.recording import trajectory
-from rocking.solvers.taylor.batch import COLUMNS, LARGEST, parameter_row, run_batch, start_row
+from rocking.solvers.taylor.batch import parameter_row, run_batch, start_row
+from rocking.solvers.taylor.columns import COLUMNS, LARGEST
 from rocking.solvers.taylor.records import joined
 from rocking.trajectory import Events, Trajectory
 

@@ -22,6 +22,17 @@ from rocking.hybrid import REST, ROTATION
 from rocking.solvers.numba.compiling import borrowing
 from rocking.solvers.recording import FELL, MAX_STALLED, REACHED_END, STALL_TIME, STALLED, TOO_MANY_EVENTS
 from rocking.solvers.taylor import table as row
+from rocking.solvers.taylor.columns import (
+    COUNT,
+    ENDED,
+    FINISHED,
+    FIRST,
+    LARGEST,
+    LAST_MODE,
+    OVERTURNED,
+    OVERTURNING,
+    SIDE,
+)  # fmt: skip
 from rocking.solvers.taylor.flight import LONGEST, LONGEST_TURN
 from rocking.solvers.taylor.records import LARGEST_SAMPLE
 from rocking.solvers.taylor.waits import next_push, wave_exceeds
@@ -313,12 +324,6 @@ def answer(t, lane, runs, wave):
         t[row.STATUS, lane], t[row.T_END, lane] = STALLED if stalled else TOO_MANY_EVENTS, t[row.LAST, lane]
         return False
     return goes_on
-
-
-OVERTURNED, SIDE, OVERTURNING, LARGEST, COUNT, FINISHED, ENDED, FIRST, LAST_MODE = range(9)
-"""Columns of what becomes of a run."""
-
-COLUMNS = 9
 
 
 @borrowing
