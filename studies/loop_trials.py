@@ -8,7 +8,7 @@ Peers    the calibrated baseline of the same run (error before), and the true mo
 Measure  verdict, effects traced (as named, by a twin, in a set that cannot be told apart), false alarms, share of true
          parameters within their 95 % interval, error on later tests over the floor, claimed over true error, CPU time.
 Run      python -m studies.loop_trials [--effects a b c+d null] [--seeds N] [--jobs 1] [--channel ...] [--quick]
-         ->  a table, and build/studies/loop_trials/loop.csv; campaigns that were closed are not closed again
+         ->  a table, and build/studies/loop_trials/loop_trials.csv; campaigns that were closed are not closed again
 """
 
 from __future__ import annotations
@@ -171,7 +171,7 @@ def summary(rows: Sequence[dict[str, Any]]) -> list[str]:
 
 
 def report(rows: Sequence[dict[str, Any]], path: Path) -> None:
-    """The table on the screen, every figure in the CSV."""
+    """The table on the screen and as CSV; all figures of a campaign are in its row.json."""
     width = max(len(r["case"]) for r in rows)
     print(" ".join([" " * width, *(f"{c:>16.16}" for c in COLUMNS)]))
     for row in rows:
@@ -179,9 +179,9 @@ def report(rows: Sequence[dict[str, Any]], path: Path) -> None:
         print(" ".join([f"{row['case']:<{width}}", *cells]))
     print("\n".join(summary(rows)))
     path.parent.mkdir(parents=True, exist_ok=True)
-    head = list(dict.fromkeys(k for r in rows for k in r))
+    head = ["case", "truth", *COLUMNS[:3], "covered", "parameters", *COLUMNS[3:], "failed"]
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, head, lineterminator="\n")
+        writer = csv.DictWriter(file, head, extrasaction="ignore", lineterminator="\n")
         writer.writeheader()
         writer.writerows({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in r.items()} for r in rows)
 
@@ -201,7 +201,7 @@ def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--channel", choices=("rotation", "block_acceleration", "outcome"), default="rotation")
     parser.add_argument("--nuisances", nargs="*", default=[], choices=NUISANCES)
     parser.add_argument("--out", type=Path, default=OUT, help="folder of campaigns, runs and table (%(default)s)")
-    parser.add_argument("--csv", type=Path, help="the table (loop.csv in that folder)")
+    parser.add_argument("--csv", type=Path, help="the table (loop_trials.csv in that folder)")
     parser.add_argument("--command", default=f"{sys.executable} -m studies.loop", help="what is judged")
     options = parser.parse_args(given)
     options.effects = list(QUICK) if options.quick else options.effects
@@ -232,7 +232,7 @@ def main(given: Sequence[str] | None = None) -> int:
             pool.shutdown(wait=False, cancel_futures=True)
             print("interrupted; the same command goes on", file=sys.stderr)
             return 130
-    report(rows, options.csv or options.out / "loop.csv")
+    report(rows, options.csv or options.out / "loop_trials.csv")
     return 0
 
 

@@ -49,8 +49,8 @@ def benchmarks_text() -> str:
 
 def benchmark_text(path: Path) -> str:
     """A benchmark: the head of its script, the day, the table."""
-    script = ROOT / "benchmarks" / f"{path.stem}.py"
-    head = (ast.get_docstring(ast.parse(script.read_text())) or "") if script.exists() else ""
+    scripts = [ROOT / folder / f"{path.stem}.py" for folder in ("benchmarks", "studies")]
+    head = next((ast.get_docstring(ast.parse(s.read_text())) or "" for s in scripts if s.exists()), "")
     title, _, rest = head.partition("\n\n")
     rows = rows_of(path)
     same = {c: rows[0][c] for c in rows[0] if c in ("python", "machine") and len({row[c] for row in rows}) == 1}

@@ -12,7 +12,7 @@ from studies.loop_trials import main
 def test_a_loop_that_fails_is_a_row_and_the_campaign_stays(tmp_path, capsys):
     broken = f"{sys.executable} -c 'raise_SystemExit(3)'"
     assert main(["--effects", "null", "--out", str(tmp_path), "--command", broken]) == 0
-    [row] = list(csv.DictReader((tmp_path / "loop.csv").read_text(encoding="utf-8").splitlines()))
+    [row] = list(csv.DictReader((tmp_path / "loop_trials.csv").read_text(encoding="utf-8").splitlines()))
     assert row["case"] == "null-1001"
     assert "exit status 1" in row["failed"]
     assert (tmp_path / "null-1001" / "campaign" / "campaign.toml").exists()
@@ -26,7 +26,7 @@ def test_a_campaign_that_was_closed_is_not_closed_again(tmp_path):
     (folder / "row.json").write_text(json.dumps(row), encoding="utf-8")
     # No such program: it would fail if it were asked for.
     assert main(["--effects", "null", "--out", str(tmp_path), "--command", "no-such-program"]) == 0
-    [found] = list(csv.DictReader((tmp_path / "loop.csv").read_text(encoding="utf-8").splitlines()))
+    [found] = list(csv.DictReader((tmp_path / "loop_trials.csv").read_text(encoding="utf-8").splitlines()))
     assert (found["verdict"], found["failed"]) == ("none", "")
 
 
