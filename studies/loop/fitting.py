@@ -243,6 +243,7 @@ def fit(
     tolerance: float = 1e-3,
     start_damping: float = 1e-3,
     give_up: float = math.inf,
+    central: bool = False,
 ) -> Fit:
     """Fit the parameters and the states at the starts of the windows.
 
@@ -254,6 +255,7 @@ def fit(
         iterations: the most that are done.
         tolerance: a relative fall of the sum of squares below which the fit has converged.
         give_up: after three iterations, stop if the sum of squares is above this.
+        central: whether slopes are central differences; whole records bend too much for one-sided ones.
 
     Returns:
         Fit: the best point that was met.
@@ -262,7 +264,7 @@ def fit(
     damping, converged = start_damping, False
     objective, lin = math.inf, None
     for iteration in range(iterations):
-        lin = linearised(simulator, model, parameters, windows, central=False)
+        lin = linearised(simulator, model, parameters, windows, central=central)
         each = objectives(lin.residuals, windows, huber)
         objective = float(each.sum())
         if iteration >= 3 and objective > give_up:

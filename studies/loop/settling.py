@@ -32,8 +32,8 @@ def whole_fit(setup: Setup, trial: Trial, weights_of: Fit | None = None) -> Fit:
         windows = weighed(setup.whole, spreads)
     else:
         windows = [replace(w, sd=o.sd) for w, o in zip(setup.whole, weights_of.windows, strict=True)]
-    leans = fit(setup.simulator, model, [], windows, huber=10.0, iterations=4)
-    full = fit(setup.simulator, model, trial.every, leans.windows, huber=10.0, iterations=8)
+    leans = fit(setup.simulator, model, [], windows, huber=10.0, iterations=4, central=True)
+    full = fit(setup.simulator, model, trial.every, leans.windows, huber=10.0, iterations=8, central=True)
     if full.chi2 >= leans.chi2 or not _still_fits(setup, trial, full.model):
         return leans
     return full
@@ -79,7 +79,7 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
     both = scale * (joint @ weighted)
     known = {p.name: min(max(float(v), p.low), p.high) for p, v in zip(parameters, both, strict=True)}
     model = whole.model.changed(known)
-    leans = fit(setup.simulator, model, [], whole.windows, huber=10.0, iterations=4)
+    leans = fit(setup.simulator, model, [], whole.windows, huber=10.0, iterations=4, central=True)
     return Settled(leans, names, np.asarray(joint * np.outer(scale, scale), dtype=np.float64))
 
 
