@@ -58,6 +58,7 @@ UNEXPLAINED = 1.05
 """And from which it is too much to speak of an effect alone even where nothing can be learned."""
 
 UNEXPLAINED_OF_ESTIMATED = 1.3
+"""The same where the noise is estimated."""
 
 
 OF_THE_ROTATION_SENSOR = ("rotation_gain", "rotation_offset")
@@ -221,9 +222,9 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
     best = min(routes, key=lambda t: bic(t.swing))
     learned = any(part.effect == LEARNED for part in best.parts)
     if not learned or bic(best.swing) > bic(named.swing) - (PAYS if structured else 0.0):
-        return named, "unexplained" if _over_noise(named.swing) > _unexplained(
-            setup
-        ) else "effect" if named.parts else "none"
+        if _over_noise(named.swing) > _unexplained(setup):
+            return named, "unexplained"
+        return named, "effect" if named.parts else "none"
     if bic(routes[0].swing) < bic(best.swing) + PAYS:
         best = routes[0]
     return best, "unexplained"

@@ -5,6 +5,7 @@ laboratory differs from the loop's own.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -130,3 +131,19 @@ def test_a_campaign_without_a_response_is_refused(truth) -> None:
     )  # fmt: skip
     with pytest.raises(CampaignError, match="rotation channel or accelerometers on the block"):
         prepare(bare, LoopModel(DECLARED, 0.9))
+
+
+# With the rotation measured too, the same truth stands behind all channels, and the fit has to leave their noise.
+def test_accelerometers_beside_a_rotation_are_calibrated_with_it(truth) -> None:
+    rng, rotation = np.random.default_rng(8), Channel("rotation", "rotation", 2e-4)
+    tests = []
+    for test, theta in zip(truth[0].tests, truth[1], strict=True):
+        data = {**test.data, "rotation": theta + 2e-4 * rng.standard_normal(theta.size)}
+        tests.append(replace(test, channels=(rotation, *test.channels), data=data))
+    campaign = replace(truth[0], channels=(rotation, *truth[0].channels), tests=tuple(tests))
+    setup = prepare(campaign, LoopModel(DECLARED, 0.9, {}, TRUE_G))
+    assert setup.by_rotation
+    found = baseline(setup.simulator, setup.start, setup.swings)
+    assert 0.95 < found.swing.rms < 1.05
+    for name, angle in MOUNTED.items():
+        assert found.swing.model.mountings[name] == pytest.approx(angle, abs=2e-3)
