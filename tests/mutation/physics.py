@@ -1,0 +1,176 @@
+"""Which files are physics, and which tests look at each: those that see most of a file soonest come first.
+
+All other default tests of the same folder follow, so that what the table leaves out costs time alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from fnmatch import fnmatch
+from pathlib import Path
+
+# Patterns of files from the root; a folder by itself, so that a new file of physics is taken without being named.
+FOLDERS = (
+    "rocking", "rocking/effects", "rocking/solvers", "rocking/solvers/*", "dem", "excitation", "studies/laboratory",
+)  # fmt: skip
+# Not physics: what describes, names, checks arguments, compiles, is plumbing of devices and folders, or draws.
+LEFT_OUT = {
+    "__init__.py", "__main__.py", "picture.py", "plot.py", "validation.py", "checks.py", "compiled.py", "compiling.py",
+    "namespace.py", "threads.py", "devices.py", "labelled.py", "datasets.py", "recipes.py", "binding.py",
+    "columns.py", "judge.py", "plans.py", "campaign.py", "outcomes.py", "parameters.py", "prediction.py", "truth.py",
+}  # fmt: skip
+STUDIES = (
+    "overturning", "columns", "pickups", "free_vibration", "fig05_fit", "rocking_onset", "specimens", "slenderness",
+    "springs", "dead_reckoning", "wall_gap", "tombstones", "drop_test", "will_it_fall", "fig03",
+)  # fmt: skip
+
+METHOD2 = (
+    "test_method2_equations", "test_method2_impacts", "test_method2_transitions", "test_method2_rocking_impacts",
+    "test_method2_motion", "test_method2_energy_and_forces", "test_properties", "test_solvers_agree",
+)  # fmt: skip
+METHOD1 = (
+    "test_method1_closed_forms", "test_method1_onset_and_overturning", "effects/test_base_effects",
+    "test_physics_under_jax", "test_properties", "test_solvers_agree",
+)  # fmt: skip
+TAYLOR = ("test_taylor", "test_exact_batch", "test_batch", "test_properties", "test_maps", "test_solvers_agree")
+EXACT = ("test_exact", "test_exact_batch", "test_solvers_agree", "test_properties")
+DIFFRAX = ("test_diffrax_events", "test_diffrax_derivatives", "test_solvers_agree")
+NUMBA = (
+    "test_method1_closed_forms", "test_trajectory", "test_method2_motion", "test_solvers_agree", "test_batch",
+    "test_batch_with_effects",
+)  # fmt: skip
+EFFECTS = (
+    "effects/test_torque_effects", "effects/test_form_effects", "effects/test_base_effects",
+    "effects/test_mode_effects", "effects/test_lagrange", "effects/test_effects_on_instruments",
+    "effects/test_effects_contract", "effects/test_effects_given", "effects/test_sensitivity",
+)  # fmt: skip
+CONTACTS = (
+    "test_assembly_contacts", "test_assembly_one_block", "test_energy", "test_assembly_runs", "test_restitution",
+    "test_friction",
+)  # fmt: skip
+ONE_BODY = ("test_energy", "test_friction", "test_restitution", "test_drop", "test_history", "test_against_stiff_ode")
+PULSES = ("test_pulses", "test_motion_contract", "test_pitch")
+SINES = ("test_harmonic", "test_ramped_sinusoid", "test_motion_contract", "test_pitch")
+
+# The first pattern that fits counts.
+FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
+    ("rocking/block.py", ("test_block", "test_method1_closed_forms")),
+    ("rocking/form.py", ("effects/test_form_effects", "effects/test_lagrange")),
+    ("rocking/hybrid.py", ("effects/test_base_effects", "test_trajectory", *METHOD1, *METHOD2)),
+    ("rocking/method1.py", METHOD1),
+    ("rocking/method2*.py", METHOD2),
+    ("rocking/impacts.py", ("test_method2_impacts", "test_method2_rocking_impacts", *METHOD2)),
+    ("rocking/composed.py", ("effects/test_lagrange", "effects/test_form_effects", "effects/test_torque_effects")),
+    ("rocking/altered.py", ("effects/test_base_effects", "effects/test_effects_contract")),
+    ("rocking/closed_forms.py", ("test_closed_forms", "test_method1_closed_forms")),
+    ("rocking/pulse_overturning.py", ("test_closed_forms", "test_method1_onset_and_overturning")),
+    ("rocking/steady_states.py", ("test_steady_states",)),
+    ("rocking/fragility*.py", ("test_fragility",)),
+    ("rocking/detection.py", ("test_detection",)),
+    ("rocking/instruments.py", ("test_instruments", "effects/test_effects_on_instruments")),
+    ("rocking/maps.py", ("test_maps",)),
+    ("rocking/batch.py", ("test_batch", "test_batch_with_effects", "test_exact_batch")),
+    ("rocking/trajectory.py", ("test_trajectory", "test_method1_closed_forms")),
+    ("rocking/solve.py", ("test_trajectory", "test_bad_input", "test_solvers_agree")),
+    ("rocking/two_springs.py", ("effects/test_two_springs",)),
+    ("rocking/effects/*.py", EFFECTS),
+    ("rocking/effect.py", EFFECTS),
+    ("rocking/motion.py", ("test_trajectory", "effects/test_base_effects", *METHOD1)),
+    ("rocking/scalars.py", (*METHOD1, *METHOD2)),
+    ("rocking/solvers/exact/jax*.py", ("test_devices", *EXACT)),
+    ("rocking/solvers/exact/*.py", EXACT),
+    ("rocking/solvers/taylor/*.py", TAYLOR),
+    ("rocking/solvers/diffrax/*.py", DIFFRAX),
+    ("rocking/solvers/scipy_events.py", ("test_solvers_agree", "test_physics_under_jax", "test_trajectory")),
+    ("rocking/solvers/*.py", NUMBA),
+    ("dem/shapes.py", ("test_shapes", "test_stability")),
+    ("dem/stability.py", ("test_stability", "test_drop")),
+    ("dem/assembly_stability.py", ("test_assembly_contacts", "test_assembly_runs", "test_stability")),
+    ("dem/materials.py", ("test_shapes", "test_inputs", *ONE_BODY)),
+    ("dem/drop.py", ("test_drop", "test_preliminary")),
+    ("dem/free_swings.py", ("test_preliminary", "test_restitution")),
+    ("dem/history.py", ("test_history", "test_preliminary", *ONE_BODY)),
+    ("dem/step.py", ONE_BODY),
+    ("dem/simulate.py", ("test_history", *ONE_BODY)),
+    ("dem/contact_law.py", (*ONE_BODY, *CONTACTS)),
+    ("dem/table_motion.py", ("test_assembly_records", "test_friction", "test_assembly_runs")),
+    ("dem/barrier.py", ("test_assembly_runs", "test_inputs")),
+    ("dem/assembly_history.py", ("test_assembly_runs", "test_assembly_records")),
+    ("dem/scenes*.py", ("test_assembly_runs", "test_shapes")),
+    ("dem/*.py", CONTACTS),
+    ("excitation/pulse*.py", PULSES),
+    ("excitation/ramped_sinusoid.py", ("test_ramped_sinusoid", *SINES)),
+    ("excitation/*sin*.py", SINES),
+    ("excitation/chirp.py", SINES),
+    ("excitation/pitch*.py", ("test_pitch", "test_motion_contract")),
+    ("excitation/sampled.py", ("test_sampled", "test_motion_contract")),
+    ("excitation/splines.py", ("test_sampled", "test_processing")),
+    ("excitation/combined.py", ("test_motion_contract", "test_pitch")),
+    ("excitation/table.py", ("test_table",)),
+    ("excitation/record.py", ("test_record", "test_processing")),
+    ("excitation/kanai_tajimi.py", ("test_synthetic",)),
+    ("excitation/point_source.py", ("test_synthetic",)),
+    ("excitation/envelopes.py", ("test_synthetic", "test_ramped_sinusoid")),
+    ("excitation/units.py", ("test_readers", "test_record")),
+    ("excitation/rotation.py", ("test_processing", "test_record")),
+    ("excitation/*.py", ("test_processing", "test_synthetic", "test_motion_contract")),
+    ("studies/laboratory/*.py", ("loop/test_laboratory", "loop/test_laboratory_campaigns")),
+    ("studies/overturning.py", ("test_overturning", "test_fig16")),
+    ("studies/free_vibration.py", ("test_free_vibration", "test_fig16")),
+    ("studies/fig0*.py", ("test_preliminary_figures",)),
+    ("studies/drop_test.py", ("test_preliminary_figures",)),
+    ("studies/columns.py", ("test_columns", "test_contact_judgement")),
+    ("studies/rocking_onset.py", ("test_columns", "test_all_studies")),
+    ("studies/pickups.py", ("test_columns",)),
+    ("studies/will_it_fall.py", ("test_will_it_fall",)),
+    ("studies/specimens.py", ("test_specimens",)),
+    ("studies/*.py", ("test_all_studies",)),
+)
+# Tests that say nothing about physics, or that look at the tree as a whole.
+NOT_RUN = {"test_all_files", "test_numba_cache", "test_cache", "test_import_is_light", "test_bad_campaigns"}
+
+
+def files(root: Path) -> list[Path]:
+    """All files of physics, in order, relative to the root."""
+    found = [path for folder in FOLDERS for path in sorted(root.glob(f"{folder}/*.py")) if path.name not in LEFT_OUT]
+    found = [path for path in found if path != root / "studies/laboratory/effects.py"]  # sizes of what is drawn by lot
+    found += [root / "studies" / f"{name}.py" for name in STUDIES]
+    return sorted(dict.fromkeys(path.relative_to(root) for path in found))
+
+
+def first_tests(root: Path, file: str) -> list[str]:
+    """Tests that the table names for a file, those that are there."""
+    folder = Path("tests") / Path(file).parts[0]
+    names = next((tests for pattern, tests in FIRST if fnmatch(file, pattern)), ())
+    paths = [folder / f"{name}.py" for name in dict.fromkeys(names)]
+    return [str(path) for path in paths if (root / path).is_file()]
+
+
+def groups(root: Path, file: str) -> list[list[str]]:
+    """What pytest is given for a file, one call after the other: tests of the table, then the rest of the package's."""
+    package, stem = Path(file).parts[0], Path(file).stem
+    first = first_tests(root, file)
+    rest = sorted(str(path.relative_to(root)) for path in (root / "tests" / package).rglob("test_*.py"))
+    if package != "studies":
+        named = [path for path in rest if stem in (root / path).read_text()]
+        rest = [path for path in dict.fromkeys([*named, *rest]) if path not in first]
+        return [part for part in (first, _kept(rest)) if part]
+    # The loop, sweeps, animations and campaigns have no physics in these files, and of the quick studies only those
+    # that use a file can see it.
+    every = "tests/studies/test_all_studies.py"
+    users = [path.stem for path in sorted((root / "studies").glob("*.py")) if _uses(path.read_text(), stem)]
+    kept = [path for path in rest if path.startswith(("tests/studies/test_", "tests/studies/loop/test_laboratory"))]
+    parts = [
+        [path for path in first if path != every],
+        [every, "-k", " or ".join([stem, *users])],
+        _kept(path for path in kept if path not in (*first, every)),
+    ]
+    return [part for part in parts if part]
+
+
+def _kept(paths: Iterable[str]) -> list[str]:
+    return [path for path in paths if Path(path).stem not in NOT_RUN]
+
+
+def _uses(text: str, stem: str) -> bool:
+    return f"studies.{stem} import" in text or f"import {stem}" in text
