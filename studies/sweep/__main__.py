@@ -8,6 +8,8 @@ from pathlib import Path
 
 from studies import _run
 from studies.sweep.declared import read
+from studies.sweep.evaluation import FELL
+from studies.sweep.gathering import count
 from studies.sweep.running import CHUNK_POINTS, run
 
 
@@ -44,8 +46,7 @@ def main(argv: list[str]) -> None:
             sweep, arguments.out, workers=arguments.workers, scheduler=arguments.scheduler,
             chunk_points=arguments.chunk, command=shlex.join(["python", "-m", "studies.sweep", *argv]),
         ) as ds:  # fmt: skip
-            fell, total = int((ds.outcome == 0).sum()), ds.outcome.size
-            print(f"{fell} of {total} fall; wrote {arguments.out}")
+            print(f"{count(ds, FELL)} of {ds.outcome.size} fall; wrote {arguments.out}")
             if ds.attrs["declined"] != "[]":
                 print(f"declined: {ds.attrs['declined']}")
     except (ValueError, RuntimeError) as error:
