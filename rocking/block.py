@@ -75,6 +75,6 @@ class Block:
         """Ratio of the angular velocities after and before an impact, 1 - 1.5 sin^2(alpha) [1].
 
         Housner (1963): angular momentum about the new corner is kept.  Below zero for b/h > sqrt(2), where the block
-        does not rock on at all.
+        lands on both corners and stops: to turn back, the floor would have to pull at the old one.
         """
         return 1.0 - 1.5 * math.sin(self.alpha) ** 2

@@ -124,7 +124,7 @@ class ComposedMethod1:
         effects: for the record, what was composed.
 
     Raises:
-        ValueError: the method is linear, or the form's restitution is negative and none is given.
+        ValueError: the method is linear, or one side would have a restitution above 1.
     """
 
     method: Method1
@@ -150,11 +150,6 @@ class ComposedMethod1:
                 f"restitution={self.method.restitution!r}: with the centre of mass {self.form.offset:.4g} m off the "
                 f"middle one side would have {max(self.restitutions):.4g}; want a smaller one, since 1 loses nothing"
             )
-        if min(self.restitutions) < 0.0:
-            raise ValueError(
-                f"half_breadth={self.form.half_breadth:.4g} m, mass_height={self.form.mass_height:.4g} m: the block is "
-                "so stocky that its restitution is negative; want a more slender one or an explicit restitution"
-            )
 
     @property
     def block(self) -> Any:
@@ -170,12 +165,13 @@ class ComposedMethod1:
     def restitutions(self) -> tuple[float, float]:
         """Restitution of eq. (4) when the +x and when the -x edge hands over [1].
 
-        A given one is what was measured: their geometric mean, the two apart as the form would have them.
+        A given one is what was measured: their geometric mean, the two apart as the form would have them.  Where that
+        of the form is below zero the block lands on both edges and stops.
         """
         right, left = self.form.restitution(1.0), self.form.restitution(-1.0)
         given = self.method.restitution
         if given is None:
-            return right, left
+            return max(right, 0.0), max(left, 0.0)
         if right <= 0.0 or left <= 0.0:
             return given, given
         apart = math.sqrt(right / left)

@@ -10,7 +10,8 @@ its angular acceleration (Newton's law in the frame of the floor, own derivation
 Source   Yim, Chopra & Penzien (1980); Winkler, Meguro & Yamazaki (1995), eqs (2)-(4); West's formula, eq. (1), for
          the start of rocking.
 Status   no sliding and no jump, whatever the base does: the contact is taken to hold even where it would have to pull.
-         Restitution is free between 0 and 1; Housner's is the default.
+         Restitution is free between 0 and 1; Housner's is the default, and 0 where that is below zero: a block with
+         b/h > sqrt(2) lands on both corners and stops.
 """
 
 from __future__ import annotations
@@ -100,7 +101,7 @@ class Method1:
 
     Args:
         block: the block.
-        restitution: e of eq. (4) [1], 0 to 1; Housner's 1 - 1.5 sin^2(alpha) if not given.
+        restitution: e of eq. (4) [1], 0 to 1; Housner's 1 - 1.5 sin^2(alpha) if not given, or 0 where that is below 0.
         form: "nonlinear", or "linear" as eqs (2) and (3) are printed.
         onset: when rest ends: "west" at |a_x| = (b/h)(g + a_z), eq. (1); "linear" at alpha (g + a_z), where the linear
             equations by themselves leave rest (for form "linear" only: the nonlinear block would fall back).
@@ -109,8 +110,7 @@ class Method1:
             stand: what is left of the geometric series of impacts is dropped.
 
     Raises:
-        ValueError: an argument is out of the range above, or the block is so stocky (b/h > sqrt(2)) that Housner's
-            restitution is negative and none is given.
+        ValueError: an argument is out of the range above.
     """
 
     block: Block
@@ -140,16 +140,11 @@ class Method1:
         positive("rest_speed", self.rest_speed, "1")
         if self.restitution is not None:
             within("restitution", self.restitution, 0.0, 1.0)
-        elif self.block.housner_restitution < 0.0:
-            raise ValueError(
-                f"b/h={self.block.b / self.block.h:.4g}: Housner's restitution is negative above sqrt(2); "
-                "want a more slender block or an explicit restitution"
-            )
 
     @property
     def e(self) -> float:
         """Restitution of eq. (4) in force [1]."""
-        return self.block.housner_restitution if self.restitution is None else self.restitution
+        return max(self.block.housner_restitution, 0.0) if self.restitution is None else self.restitution
 
     @property
     def theta_c(self) -> float:

@@ -45,10 +45,10 @@ def two_corner_share(block: Block, restitution: float) -> float:
     Own derivation (plastic impact that sticks).  Zero gives Housner's restitution, one half gives 1.
 
     Raises:
-        ValueError: e is above 1 or below Housner's: the old corner would have to be pulled down, so a greater loss is
-            an effect of another kind.
+        ValueError: e is above 1 or below Housner's (below 0 where that is negative): the old corner would have to be
+            pulled down, so a greater loss is an effect of another kind.
     """
-    low = block.housner_restitution
+    low = max(block.housner_restitution, 0.0)
     if not low <= restitution <= 1.0:
         raise ValueError(
             f"restitution={restitution!r}: want {low:.6g} (Housner's for b/h={block.b / block.h:.4g}) to 1 for the "

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 PACKAGES = ("rocking", "dem", "excitation", "studies")
 OF_PYTEST = ("-x", "-v", "-n", "0", "-p", "no:cacheprovider", "--no-header", "--tb", "line")
-FAILED = re.compile(r"^(?:FAILED|ERROR) (tests/\S+)", re.MULTILINE)
+FAILED = re.compile(r"^(?:FAILED|ERROR) (tests/.+?)(?: - .*)?$", re.MULTILINE)  # names may have blanks
 STARTED = re.compile(r"^(tests/\S+::.*?)(?: (?:PASSED|SKIPPED|XFAIL).*)?$", re.MULTILINE)
 
 

@@ -44,7 +44,6 @@ TABLE = [
     (m1(form="cubic"), "form", "cubic"),
     (m1(onset="ishiyama", form="linear"), "onset", "ishiyama"),
     (m1(onset="linear"), "onset", "linear"),
-    (m1(block=STOCKY), "b/h", 1.5),
     *((m2(friction=v), "friction", v) for v in (-0.1, NAN, -INF)),
     (m2(friction=1.4), "friction", 1.4),
     (m2(friction=4.0 / 3.0), "friction", 4.0 / 3.0),
@@ -100,7 +99,8 @@ def test_a_start_is_given_once() -> None:
 
 
 @pytest.mark.parametrize("make", [
-    m1(restitution=0.0), m1(restitution=1.0), m1(block=STOCKY, restitution=0.5), m1(form="linear", onset="linear"),
+    m1(restitution=0.0), m1(restitution=1.0), m1(block=STOCKY, restitution=0.5), m1(block=STOCKY),
+    m1(form="linear", onset="linear"),
     m2(friction=0.0), m2(friction=1.333), m2(friction=math.inf), m2(friction=0.5, kinetic_friction=0.0),
     m2(normal_restitution=1.0, tangential_restitution=-1.0), m2(tangential_restitution=1.0), m2(block=STOCKY),
     m2(impact_law="two_corner", restitution=1.0), m2(impact_law="kinematic", normal_restitution=0.5),
