@@ -75,7 +75,15 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Print the facts, draw the picture; 0, or 2 and a sentence on stderr if the file cannot be read."""
+    """Print the facts, draw the picture; 0, or 2 and a sentence on stderr if the file cannot be read, 130 on Ctrl-C."""
+    try:
+        return _shown(arguments)
+    except KeyboardInterrupt:
+        print("interrupted: nothing was written", file=sys.stderr)
+        return 130
+
+
+def _shown(arguments: list[str] | None) -> int:
     options = _parser().parse_args(arguments)
     try:
         found = read(options.file, format=options.format, units=options.units, time_units=options.time_units)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from excitation.formats.text import write_whole
 from excitation.record import Record
 from excitation.spectra import response_spectrum
 
@@ -45,4 +46,5 @@ def figure(records: Sequence[Record]) -> Any:
 
 def save(records: Sequence[Record], path: Path) -> None:
     """Draw the records into a PNG file."""
-    figure(records).savefig(path, format="png", dpi=120)
+    drawing = figure(records)
+    write_whole(path, lambda target: drawing.savefig(target, format="png", dpi=120))

@@ -35,13 +35,22 @@ def _options(arguments: argparse.Namespace) -> list[str]:
 
 
 def make_all(chosen: dict[str, Study], arguments: argparse.Namespace) -> dict[str, str]:
-    """Make these studies one after the other; why one failed, by its name."""
+    """Make these studies one after the other; why one failed, by its name.
+
+    Raises:
+        OSError: nothing can be written any more.
+    """
     failed = {}
     for number, (name, study) in enumerate(chosen.items(), start=1):
         print(f"--- {name} ({number} of {len(chosen)}): {study.title}", flush=True)
         start = time.perf_counter()
         try:
             make(study, _options(arguments))
+        except OSError as error:
+            if error.errno in _run.NO_ROOM:  # what comes after could not be kept either
+                raise
+            failed[name] = f"{type(error).__name__}: {error}"
+            print(f"failed: {failed[name]}", flush=True)
         except Exception as error:  # one study that fails does not take the others with it
             failed[name] = f"{type(error).__name__}: {error}"
             print(f"failed: {failed[name]}", flush=True)

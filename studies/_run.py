@@ -1,18 +1,24 @@
 """What every study's command line shares: the output folder, provenance, and files that are whole or not there.
 
-A dataset is written to a temporary file beside its target and renamed, so that a run that is cut off leaves no half
-file under the final name.
+A dataset is written to a temporary file beside its target, brought to the disk and renamed, so that a run that is cut
+off leaves no half file under the final name.  Reading a dataset is bounded in memory, and a damaged or foreign file is
+one sentence.
 """
 
 from __future__ import annotations
 
 import argparse
+import errno
+import glob
+import itertools
 import math
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -23,8 +29,24 @@ DEFAULT_OUT = Path("build") / "studies"
 """Where figures go unless --out says otherwise."""
 
 
+MOST_BYTES = 2 * 1024**3
+"""Of a dataset in memory: a file of a few kilobytes can declare any number of values."""
+
+LEAST_FREE = 1024 * 1024
+"""Bytes; a disk with less is full."""
+
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS)
+"""Errors after which no other file can be written there either."""
+
+_counter = itertools.count()
+
+
 class BadInputError(Exception):
     """What the user asked for cannot be done; the message is one sentence that says what was wanted."""
+
+
+class DatasetError(BadInputError, ValueError):
+    """A file is not the dataset that it should be; the message is one sentence that names it."""
 
 
 def add_common_arguments(parser: argparse.ArgumentParser) -> None:
@@ -105,14 +127,73 @@ def provenance(title: str, command: str) -> dict[str, str]:
     }
 
 
+def temporary_beside(path: Path) -> Path:
+    """A name in the same folder that no other process and no other call has: hidden, with the same ending.
+
+    Never the same twice: after a full disk the NetCDF library keeps the file that it could not close.
+    """
+    return path.with_name(f".{path.stem}.{os.getpid()}-{next(_counter)}{path.suffix}")
+
+
 def write_whole(path: Path, write: Callable[[Path], object]) -> None:
-    """Let `write` fill a temporary file beside `path`, then rename it to `path`."""
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    """Let `write` fill a temporary file beside `path`, bring it to the disk, then rename it to `path`.
+
+    A link is followed; what is no plain file (a device, a pipe) is written to as it is.
+
+    Raises:
+        OSError: it cannot be written, which leaves `path` as it was.
+    """
+    target = Path(os.path.realpath(path))
+    if target.exists() and not target.is_file() and not target.is_dir():
+        write(target)
+        return
+    temporary = temporary_beside(target)
     try:
-        write(temporary)
-        os.replace(temporary, path)
+        try:
+            write(temporary)
+            with temporary.open("rb") as file:
+                os.fsync(file.fileno())
+            os.replace(temporary, target)
+        except OSError as error:
+            raise OSError(error.errno or errno.EIO, error.strerror or str(error), str(path)) from error
+        except RuntimeError as error:
+            if not str(error).startswith("NetCDF:"):
+                raise
+            # The NetCDF library does not pass on why a write failed.
+            full = shutil.disk_usage(target.parent).free < LEAST_FREE
+            reason = os.strerror(errno.ENOSPC) if full else f"{error}; is the disk full?"
+            raise OSError(errno.ENOSPC if full else errno.EIO, reason, str(path)) from error
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
+def clear_unfinished(path: Path) -> None:
+    """Remove what runs that were killed have left of `path`; only for who holds its lock (`studies._lock`)."""
+    target = Path(os.path.realpath(path))
+    for left in target.parent.glob(f".{glob.escape(target.stem)}.[0-9]*{target.suffix}"):
+        with suppress(OSError):
+            left.unlink()
+
+
+def load_dataset(path: Path, most: int = MOST_BYTES) -> xr.Dataset:
+    """The dataset of a NetCDF file, loaded.
+
+    Raises:
+        DatasetError: it is not there, damaged, no NetCDF, or would take more than `most` bytes.
+    """
+    if not path.is_file():
+        raise DatasetError(f"{path}: is not there or no file, want a NetCDF dataset")
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as opened:
+            # A text is an object of some fifty bytes besides its characters.
+            size = sum(v.size * (64 if v.dtype.kind in "OUS" else v.dtype.itemsize) for v in opened.variables.values())
+            if size <= most:
+                return opened.load()
+    except Exception as error:  # whatever the libraries meet in a stranger's file means that it is none
+        reason = (getattr(error, "strerror", None) or str(error) or type(error).__name__).splitlines()[0][:120]
+        raise DatasetError(f"{path}: want a NetCDF dataset, whole ({type(error).__name__}: {reason})") from None
+    raise DatasetError(f"{path}: declares {size} bytes of values, want at most {most}")
 
 
 def save_text(text: str, path: Path) -> None:
@@ -140,23 +221,44 @@ def save_figure(figure: Any, folder: Path, name: str) -> list[Path]:
     text = " ".join(figure.get_supxlabel().split())
     for path in paths:
         # The caption goes with the picture. No date in the file: the same dataset gives the same bytes.
+        clear_unfinished(path)
         said = {"CreationDate": None, "Subject": text} if path.suffix == ".pdf" else {"Description": text}
         write_whole(path, lambda target, meta=said: figure.savefig(target, dpi=150, metadata=meta))  # type: ignore[misc]
     return paths
 
 
+def said_of(error: OSError, kept: str) -> str:
+    """A sentence about a file that cannot be read or written, and what to do."""
+    place = f"{error.filename}: " if error.filename else ""
+    advice = "make room" if error.errno in NO_ROOM else "mend that"
+    return f"{place}cannot be read or written ({error.strerror or error}); {advice} and run it again: {kept}"
+
+
 def run(main: Callable[[list[str]], object], interrupted: str = "nothing was written") -> None:
     """Run `main` on the command line's arguments: bad input is one sentence and exit status 2.
 
+    A file that cannot be written is one sentence and 1, Ctrl-C one and 130.
+
     Args:
         main: what is run.
-        interrupted: what is said of the files after Ctrl-C.
+        interrupted: what is said of the files after Ctrl-C and after a full disk.
     """
     try:
         main(sys.argv[1:])
+        sys.stdout.flush()
     except BadInputError as error:
         print(f"error: {error}", file=sys.stderr)
         sys.exit(2)
+    except BrokenPipeError:
+        # Whoever read what is printed has enough of it; what is left in the buffer goes nowhere.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+    except OSError as error:
+        print(f"error: {said_of(error, interrupted)}", file=sys.stderr)
+        sys.exit(1)
+    except MemoryError:
+        print(f"error: not enough memory; want less at a time, as with --workers 1: {interrupted}", file=sys.stderr)
+        sys.exit(1)
     except KeyboardInterrupt:
         print(f"interrupted: {interrupted}", file=sys.stderr)
         sys.exit(130)

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from studies._run import DEFAULT_OUT
+from studies._run import DEFAULT_OUT, load_dataset
 
 PLAIN = {"m s-2": "m/s²", "m s-1": "m/s", "rad s-1": "rad/s", "kg m2": "kg m²", "N m-1": "N/m", "1": "–"}
 """Units as CF writes them, and as a figure should."""
@@ -32,12 +32,12 @@ def open(file: str | Path, *, cf_units: bool = False) -> xr.Dataset:
 
     Raises:
         FileNotFoundError: neither is there.
+        ValueError: the file is damaged, no NetCDF, or declares more values than memory should take.
     """
     path = Path(file)
     if not path.exists() and not (DEFAULT_OUT / path).exists():
         raise FileNotFoundError(f"{file}: neither there nor in {DEFAULT_OUT}; python -m studies all makes the datasets")
-    with xr.open_dataset(path if path.exists() else DEFAULT_OUT / path) as opened:
-        ds = opened.load()
+    ds = load_dataset(path if path.exists() else DEFAULT_OUT / path)
     if not cf_units:
         for variable in ds.variables.values():
             if variable.attrs.get("units") in PLAIN:

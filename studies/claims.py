@@ -22,6 +22,7 @@ from studies import _run
 from studies.claims_bounds import CLAIMS
 from studies.claims_table import HOLDS, UNDECIDED, VERDICTS, Claim, Finding, table
 from studies.registry import studies
+from studies.study import Study
 
 MISSING = "its study has not been made"
 
@@ -30,7 +31,7 @@ def gathered(folder: Path) -> xr.Dataset:
     """The statements of every dataset in the folder, and those whose study is not there.
 
     Raises:
-        BadInputError: no dataset of a study is in the folder.
+        BadInputError: no dataset of a study is in the folder, or one is damaged or of something else.
     """
     found, made = [], 0
     for study in studies().values():
@@ -38,8 +39,7 @@ def gathered(folder: Path) -> xr.Dataset:
         if not path.exists():
             continue
         made += 1
-        with xr.open_dataset(path) as opened:
-            rows = study.check(opened.load())
+        rows = _checked(study, path)
         if rows.sizes.get("statement"):
             rows = rows.drop_vars([name for name in rows.variables if "statement" not in rows[name].dims])
             found.append(_complete(rows, study.name))
@@ -50,6 +50,18 @@ def gathered(folder: Path) -> xr.Dataset:
     if absent:
         found.append(_complete(table(absent), ""))
     return xr.concat(found, "statement", data_vars="minimal", coords="minimal", join="outer", combine_attrs="override")
+
+
+def _checked(study: Study, path: Path) -> xr.Dataset:
+    ds = _run.load_dataset(path)
+    again = f"python -m studies.{study.name} makes it again"
+    if ds.attrs.get("study") != study.name:
+        raise _run.DatasetError(f"{path}: is of study {ds.attrs.get('study')!r}, want {study.name!r}; {again}")
+    try:
+        return study.check(ds)
+    except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
+        said = f"{type(error).__name__}: {error}".splitlines()[0][:120]
+        raise _run.DatasetError(f"{path}: lacks what the study puts there ({said}); {again}") from error
 
 
 def _complete(rows: xr.Dataset, study: str) -> xr.Dataset:

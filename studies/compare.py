@@ -127,13 +127,7 @@ def main(argv: list[str]) -> None:
     parser.add_argument("--rtol", type=float, default=1e-9, help="relative change that counts (default: %(default)s)")
     arguments = parser.parse_args(argv)
     _run.positive("--rtol", arguments.rtol, zero=True)
-    pair = []
-    for path in (arguments.a, arguments.b):
-        try:
-            with xr.open_dataset(path) as opened:
-                pair.append(opened.load())
-        except (OSError, ValueError) as error:
-            raise _run.BadInputError(f"{path}: want a NetCDF dataset ({type(error).__name__})") from None
+    pair = [_run.load_dataset(path) for path in (arguments.a, arguments.b)]
     rows, notes = compared(pair[0], pair[1], arguments.rtol)
     print("\n".join([*notes, *map(_line, rows)]))
     if any(row.moved or row.note for row in rows) or not rows:

@@ -8,6 +8,7 @@ Status   text is escaped; every study whose dataset is there is on the page (tes
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -122,9 +123,8 @@ def _entry(folder: Path, study: Study) -> dict[str, Any] | None:
     path = folder / f"{study.name}.nc"
     if not path.exists():
         return None
-    with xr.open_dataset(path) as ds:
-        rows = statements_of(ds)
-        attributes = dict(ds.attrs)
+    ds = _run.load_dataset(path)
+    rows, attributes = statements_of(ds), dict(ds.attrs)
     pictures = [
         {"name": name, "file": f"{name}.png", "pdf": f"{name}.pdf", "caption": _caption(folder / f"{name}.png")}
         for name in study.figures
@@ -141,10 +141,21 @@ def _entry(folder: Path, study: Study) -> dict[str, Any] | None:
 
 
 def write_index(folder: Path, studies: Mapping[str, Study]) -> Path:
-    """Write index.html of the studies whose datasets are in the folder; its path."""
+    """Write index.html of the studies whose datasets are in the folder; its path.
+
+    A study whose dataset or picture is damaged is left out, which a line on stderr says.
+    """
     from jinja2 import Environment
 
-    entries = [entry for study in studies.values() if (entry := _entry(folder, study)) is not None]
+    entries = []
+    for study in studies.values():
+        try:
+            entry = _entry(folder, study)
+        except (OSError, AttributeError, KeyError, TypeError, ValueError) as error:
+            said = str(error).splitlines()[0] if str(error) else type(error).__name__
+            print(f"{study.name}: is left out of index.html, make it again ({said})", file=sys.stderr)
+            continue
+        entries += [] if entry is None else [entry]
     page = Environment(autoescape=True, trim_blocks=True).from_string(PAGE).render(entries=entries)
     path = folder / "index.html"
     _run.save_text(page, path)

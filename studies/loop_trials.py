@@ -20,6 +20,7 @@ import os
 import shlex
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -30,7 +31,8 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from studies._run import write_whole
+from studies import _run
+from studies._lock import alone
 from studies.laboratory.campaign import NUISANCES, make_campaign
 from studies.laboratory.effects import NAMED, UNNAMED
 from studies.laboratory.judge import judge
@@ -81,6 +83,10 @@ def made(case: Case, folder: Path) -> Truth:
     return read_truth(folder / "truth")
 
 
+_stopped = threading.Event()
+"""Set by Ctrl-C: what runs is ended."""
+
+
 def timed(command: Sequence[str], log: Path) -> tuple[float, float]:
     """(CPU, wall) seconds of a command whose output goes to `log`; RuntimeError if it fails or takes too long."""
     start = time.monotonic()
@@ -90,6 +96,8 @@ def timed(command: Sequence[str], log: Path) -> tuple[float, float]:
             pid, status, usage = os.wait4(process.pid, os.WNOHANG)
             if pid:
                 break
+            if _stopped.is_set():
+                process.terminate()
             if time.monotonic() - start > TIME_LIMIT:
                 process.kill()
                 os.wait4(process.pid, 0)
@@ -106,15 +114,44 @@ def timed(command: Sequence[str], log: Path) -> tuple[float, float]:
 def closed(case: Case, folder: Path, command: Sequence[str]) -> dict[str, Any]:
     """One campaign through the loop and before the judge; a run that fails is a row that says so.
 
-    A row that is there already is kept, unless the campaign or the run failed.
+    A row that is there already is kept, unless the campaign or the run failed.  Two runs on one folder take turns.
     """
+    folder.mkdir(parents=True, exist_ok=True)
+    with alone(folder / "case"):
+        return _kept(case, folder) or _closed(case, folder, command)
+
+
+def _kept(case: Case, folder: Path) -> dict[str, Any] | None:
+    """The row of an earlier run; None where there is none or it is damaged.
+
+    Raises:
+        BadInputError: it is of other nuisances, which the name of a case does not tell.
+    """
+    try:
+        found = json.loads((folder / "row.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        found = None
+    whole = isinstance(found, dict) and found.get("failed") == "" and {"case", "truth"} <= set(found)
+    of = found["nuisances"] if whole and "nuisances" in found else _nuisances_of(folder)
+    wanted = sorted(case.nuisances)
+    if of is not None and of != wanted:
+        raise _run.BadInputError(f"{folder}: holds a campaign with nuisances {of}, not {wanted}; want another --out")
+    return found if whole else None
+
+
+def _nuisances_of(folder: Path) -> list[str] | None:
+    """Nuisances of the campaign that was made there; None where none was."""
+    if not (folder / "truth" / "truth.toml").exists():
+        return None
+    return sorted(read_truth(folder / "truth").about.get("nuisances", []))
+
+
+def _closed(case: Case, folder: Path, command: Sequence[str]) -> dict[str, Any]:
     kept = folder / "row.json"
-    if kept.exists():
-        found: dict[str, Any] = json.loads(kept.read_text(encoding="utf-8"))
-        return found
     truth = made(case, folder)
     loop, ahead = folder / "loop", str(folder / "predict" / "campaign.toml")
     row: dict[str, Any] = {"case": case.name, "truth": "+".join(truth.effects), "failed": ""}
+    row["nuisances"] = sorted(case.nuisances)
     try:
         # A laboratory knows its own gravity; 0.03 % of it would count as 2 % of a worn edge.
         given = [str(folder / "campaign" / "campaign.toml"), "--out", str(loop), "--gravity", str(G)]
@@ -126,7 +163,7 @@ def closed(case: Case, folder: Path, command: Sequence[str]) -> dict[str, Any]:
     except (RuntimeError, ValueError, OSError, KeyError) as error:
         row["failed"] = f"{type(error).__name__}: {error}"
         return row
-    write_whole(kept, lambda target: target.write_text(json.dumps(row), encoding="utf-8"))
+    _run.save_text(json.dumps(row), kept)
     return row
 
 
@@ -178,12 +215,15 @@ def report(rows: Sequence[dict[str, Any]], path: Path) -> None:
         cells = [f"{row['failed']:.100}"] if row["failed"] else [f"{shown(row.get(c)):>16.40}" for c in COLUMNS]
         print(" ".join([f"{row['case']:<{width}}", *cells]))
     print("\n".join(summary(rows)))
-    path.parent.mkdir(parents=True, exist_ok=True)
     head = ["case", "truth", *COLUMNS[:3], "covered", "parameters", *COLUMNS[3:], "failed"]
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, head, extrasaction="ignore", lineterminator="\n")
-        writer.writeheader()
-        writer.writerows({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in r.items()} for r in rows)
+
+    def write(target: Path) -> None:
+        with target.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, head, extrasaction="ignore", lineterminator="\n")
+            writer.writeheader()
+            writer.writerows({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in r.items()} for r in rows)
+
+    _run.write_whole(path, write)
 
 
 def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
@@ -209,12 +249,39 @@ def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
         for part in effect.split("+"):
             if part not in known:
                 parser.error(f"--effects {part!r}: want some of {', '.join(known)}")
+    for name in ("seeds", "jobs"):
+        if getattr(options, name) < 1:
+            parser.error(f"--{name} {getattr(options, name)}: want 1 or more")
+    if options.first_seed < 0:
+        parser.error(f"--first-seed {options.first_seed}: want 0 or more")
+    if not shlex.split(options.command):
+        parser.error(f"--command {options.command!r}: want a program")
     return options
 
 
 def main(given: Sequence[str] | None = None) -> int:
-    """Run the command."""
-    options = arguments(given)
+    """Run the command; 2 where something is wrong with what it was given, 1 if it cannot be written, 130 on Ctrl-C."""
+    kept = "campaigns that were closed are kept, the same command goes on"
+    _stopped.clear()
+    try:
+        return _run_trials(arguments(given))
+    except _run.BadInputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"error: {_run.said_of(error, kept)}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print(f"interrupted: {kept}", file=sys.stderr)
+        return 130
+
+
+def _run_trials(options: argparse.Namespace) -> int:
+    _run.writable_folder(options.out)
+    table: Path = options.csv or options.out / "loop_trials.csv"
+    if table.is_dir():
+        raise _run.BadInputError(f"--csv {table}: want a file")
+    _run.writable_folder(table.parent)
     cases = [
         Case(
             () if e == "null" else tuple(e.split("+")), options.first_seed + k,
@@ -228,11 +295,11 @@ def main(given: Sequence[str] | None = None) -> int:
         tasks = [pool.submit(closed, case, (options.out / case.name).resolve(), command) for case in cases]
         try:
             rows = [task.result() for task in tqdm(tasks, desc="campaigns", unit="campaign")]
-        except KeyboardInterrupt:
-            pool.shutdown(wait=False, cancel_futures=True)
-            print("interrupted; the same command goes on", file=sys.stderr)
-            return 130
-    report(rows, options.csv or options.out / "loop_trials.csv")
+        except BaseException:
+            _stopped.set()
+            pool.shutdown(wait=True, cancel_futures=True)
+            raise
+    report(rows, table)
     return 0
 
 

@@ -15,6 +15,7 @@ import os
 import shutil
 import sys
 import zipfile
+import zlib
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from functools import cache
@@ -23,6 +24,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 from tqdm import tqdm
+
+from studies._run import write_whole
 
 Job = TypeVar("Job")
 Result = dict[str, Any]
@@ -96,20 +99,19 @@ class Parts:
         try:
             with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
                 return {name: _plain(file[name]) for name in file.files}
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error, RuntimeError, MemoryError):
             return None  # damaged: it is computed again
 
     def _keep(self, path: Path | None, result: Mapping[str, Any]) -> None:
         if path is None:
             return
         path.parent.mkdir(parents=True, exist_ok=True)
-        temporary = path.with_name(f".{path.stem}.{os.getpid()}.npz")
-        try:
-            with temporary.open("wb") as file:
+
+        def write(target: Path) -> None:
+            with target.open("wb") as file:
                 np.savez(file, **result)
-            os.replace(temporary, path)
-        finally:
-            temporary.unlink(missing_ok=True)
+
+        write_whole(path, write)
 
     def results(self, jobs: Sequence[Job], work: Callable[[Job], Result], label: str) -> list[Result]:
         """What `work` gives for each job, in their order; what was kept is not computed again.
@@ -126,16 +128,22 @@ class Parts:
             with tqdm(
                 total=len(jobs), initial=sum(r is not None for r in found), unit="run", desc=label, disable=None
             ) as bar:
-                futures = {pool.submit(work, job): i for i, job in enumerate(jobs) if found[i] is None}
+
+                def kept(job: Job, path: Path | None) -> Result:
+                    # In the thread that computed it: after Ctrl-C, or when another run fails, it is kept as well.
+                    result = work(job)
+                    self._keep(path, result)
+                    return result
+
+                futures = {pool.submit(kept, job, paths[i]): i for i, job in enumerate(jobs) if found[i] is None}
                 for future in as_completed(futures):
                     i = futures[future]
                     result = future.result()
-                    self._keep(paths[i], result)
                     # As it would be read again, so that a run that went on gives the same.
                     found[i] = {name: _plain(np.asarray(value)) for name, value in result.items()}
                     bar.update()
         finally:
-            # On Ctrl-C, runs that have not begun are dropped.
+            # On Ctrl-C, runs that have not begun are dropped; those under way are finished and kept.
             pool.shutdown(wait=True, cancel_futures=True)
         return [result for result in found if result is not None]
 

@@ -22,6 +22,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from studies import _run
+from studies._lock import alone
 from studies.claims_table import VERDICTS
 from studies.labelled import PAPER
 from studies.parts import Parts, hashed, studies_hash
@@ -82,10 +83,10 @@ def there_already(path: Path, inputs: str) -> xr.Dataset | None:
     if not path.exists():
         return None
     try:
-        with xr.open_dataset(path) as ds:
-            return ds.load() if ds.attrs.get("inputs") == inputs else None
-    except (OSError, ValueError):
-        return None
+        ds = _run.load_dataset(path)
+    except _run.DatasetError:
+        return None  # damaged: it is computed again, from the runs that were kept
+    return ds if ds.attrs.get("inputs") == inputs else None
 
 
 def _computed(study: Study, plan: Any, inputs: str, path: Path, workers: int | None, command: str) -> xr.Dataset:
@@ -116,6 +117,7 @@ def make(study: Study, argv: list[str]) -> list[Path]:
 
     Raises:
         BadInputError: an option's value is not one that it can have.
+        OSError: a file cannot be written; runs that are finished are kept.
     """
     arguments = parser_of(study).parse_args(argv)
     if arguments.workers is not None and arguments.workers < 1:
@@ -123,18 +125,21 @@ def make(study: Study, argv: list[str]) -> list[Path]:
     plan = study.plan(arguments)
     folder: Path = _run.writable_folder(arguments.out)
     path, inputs = folder / f"{study.name}.nc", inputs_of(study, plan)
-    ds = None if arguments.again else there_already(path, inputs)
-    if ds is None:
-        command = shlex.join(["python", "-m", f"studies.{study.name}", *argv])
-        ds = _computed(study, plan, inputs, path, arguments.workers, command)
-    else:
-        print(f"{path} is there already with these settings (--again computes it anew)")
-    written = [path]
-    for name, draw in study.figures.items():
-        if (figure := draw(ds)) is not None:
-            written += _run.save_figure(figure, folder, name)
-    if study.films is not None:
-        written += study.films(ds, folder)
+    # Dataset and pictures of one run belong together.
+    with alone(path):
+        _run.clear_unfinished(path)
+        ds = None if arguments.again else there_already(path, inputs)
+        if ds is None:
+            command = shlex.join(["python", "-m", f"studies.{study.name}", *argv])
+            ds = _computed(study, plan, inputs, path, arguments.workers, command)
+        else:
+            print(f"{path} is there already with these settings (--again computes it anew)")
+        written = [path]
+        for name, draw in study.figures.items():
+            if (figure := draw(ds)) is not None:
+                written += _run.save_figure(figure, folder, name)
+        if study.films is not None:
+            written += study.films(ds, folder)
     study.say(ds)
     report(ds)
     print("wrote", ", ".join(str(path) for path in written))

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from excitation.formats.directions import direction_of, name_of
-from excitation.formats.text import TextFile, decimals, quoted, to_float
+from excitation.formats.text import TextFile, decimals, quoted, to_float, write_lines
 from excitation.record import Record, RecordFileError, same_sampling
 from excitation.units import factor, quantity_of
 
@@ -182,4 +182,4 @@ def write(path: str | Path, record: Record, *others: Record) -> None:
     lines = [f"time [s],{','.join(f'{name} [m/s^2]' for name in names)}"]
     columns = [record.times, *(r.acceleration for r in records)]
     lines += [",".join(repr(float(v)) for v in row) for row in zip(*columns, strict=True)]
-    Path(path).write_text("\n".join([*lines, ""]), encoding="utf-8")
+    write_lines(path, lines)

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from excitation.formats.directions import Direction, direction_of, name_of
-from excitation.formats.text import HEADER_WIDTH, TextFile, decimals, one_line
+from excitation.formats.text import HEADER_WIDTH, TextFile, decimals, one_line, write_lines
 from excitation.record import Record
 from excitation.units import factor, quantity_of
 
@@ -150,4 +150,4 @@ def write(path: str | Path, record: Record) -> None:
         "DATA_TYPE": "ACCELERATION",
     }
     lines = [f"{key}: {one_line(value)}" for key, value in header.items()]
-    Path(path).write_text("\n".join([*lines, *(_sample(v) for v in values), ""]), encoding="utf-8")
+    write_lines(path, [*lines, *(_sample(v) for v in values)])

@@ -11,7 +11,7 @@ import re
 from pathlib import Path
 
 from excitation.formats.directions import direction_of, name_of
-from excitation.formats.text import HEADER_WIDTH, TextFile, one_line
+from excitation.formats.text import HEADER_WIDTH, TextFile, one_line, write_lines
 from excitation.record import Record
 from excitation.units import STANDARD_GRAVITY, factor, quantity_of
 
@@ -64,4 +64,4 @@ def write(path: str | Path, record: Record) -> None:
         "ACCELERATION TIME SERIES IN UNITS OF G",
         f"NPTS= {values.size:6d}, DT= {record.time_step:.10g} SEC",
     ]
-    Path(path).write_text("\n".join([*head, *rows, ""]), encoding="utf-8")
+    write_lines(path, [*head, *rows])

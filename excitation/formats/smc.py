@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from excitation.formats.directions import Direction
-from excitation.formats.text import TextFile, one_line
+from excitation.formats.text import TextFile, one_line, write_lines
 from excitation.record import Record
 from excitation.units import factor
 
@@ -122,7 +122,7 @@ def write(path: str | Path, record: Record) -> None:
     lines += ["".join(f"{v:15.7E}" for v in reals[i : i + 5]) for i in range(0, 50, 5)]
     lines += ["|" + one_line(record.source)]
     lines += ["".join(_sample(v) for v in values[i : i + 5]) for i in range(0, values.size, 5)]
-    Path(path).write_text("\n".join([*lines, ""]), encoding="utf-8")
+    write_lines(path, lines)
 
 
 def _sample(value: float) -> str:

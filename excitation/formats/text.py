@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
+import itertools
+import os
 import re
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
@@ -22,6 +27,8 @@ _FORTRAN = re.compile(r"\(?\s*(?:1P,?)?\s*(\d{0,6})\s*[IFEDG]\s*(\d{1,6})(?:\.\d
 HEADER_WIDTH = 400
 """Characters of a line that patterns are looked for in: five times what headers have, and few enough that a pattern
 that has to go back takes no time (one on a line of a million digits can take an hour)."""
+
+_counter = itertools.count()
 
 LARGEST_NUMBER = 1e60
 """Above all that a file may mean (1.7e38 stands for what is not known), and far from where products overflow."""
@@ -180,6 +187,35 @@ def read_bytes(path: str | Path) -> bytes:
     if size > MAX_BYTES:
         raise RecordFileError(f"{name}: has {size} bytes, want at most {MAX_BYTES}")
     return Path(path).read_bytes()
+
+
+def write_whole(path: str | Path, write: Callable[[Path], object]) -> None:
+    """Let `write` fill a temporary file beside `path`, then rename it: a run that is cut off leaves no half file.
+
+    A link is followed; what is no plain file (a device, a pipe) is written to as it is.
+
+    Raises:
+        OSError: it cannot be written, which leaves `path` as it was.
+    """
+    target = Path(os.path.realpath(path))
+    if target.exists() and not target.is_file() and not target.is_dir():
+        write(target)
+        return
+    temporary = target.with_name(f".{target.stem}.{os.getpid()}-{next(_counter)}{target.suffix}")
+    try:
+        write(temporary)
+        os.replace(temporary, target)
+    except OSError as error:
+        raise OSError(error.errno or errno.EIO, error.strerror or str(error), str(path)) from error
+    finally:
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
+def write_lines(path: str | Path, lines: Iterable[str]) -> None:
+    """Write a text of these lines in UTF-8, whole or not at all."""
+    text = "\n".join([*lines, ""])
+    write_whole(path, lambda target: target.write_text(text, encoding="utf-8"))
 
 
 def is_text(data: bytes) -> bool:

@@ -17,6 +17,7 @@ import numpy.typing as npt
 import xarray as xr
 
 import dem
+from studies._run import load_dataset
 
 FloatArray = npt.NDArray[np.float64]
 NEEDED = ("x", "z", "theta", "outline_x", "outline_z", "outline_of")
@@ -131,8 +132,7 @@ def film_of(run: Run | str | Path, *, title: str | None = None) -> Film:
         ValueError: the dataset is not one of a run, or has no samples.
     """
     if isinstance(run, (str, Path)):
-        with xr.open_dataset(run) as opened:
-            ds = opened.load()
+        ds = load_dataset(Path(run))
     else:
         ds = run if isinstance(run, xr.Dataset) else run.to_xarray()
     missing = [name for name in NEEDED if name not in ds]

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from studies._run import save_text, write_whole
+
 
 @dataclass(frozen=True)
 class Truth:
@@ -40,10 +42,15 @@ class Truth:
         folder.mkdir(parents=True, exist_ok=True)
         table = asdict(self)
         del table["hidden"]
-        (folder / "truth.toml").write_text(tomli_w.dumps(_plain(table)), encoding="utf-8")
         for id, columns in self.hidden.items():
-            values = np.stack(list(columns.values()), axis=1)
-            np.savetxt(folder / f"{id}.csv", values, fmt="%.7g", delimiter=",", header=",".join(columns), comments="")
+            values, header = np.stack(list(columns.values()), axis=1), ",".join(columns)
+
+            def write(target: Path, values: np.ndarray = values, header: str = header) -> None:
+                np.savetxt(target, values, fmt="%.7g", delimiter=",", header=header, comments="")
+
+            write_whole(folder / f"{id}.csv", write)
+        # Last: where it is, all of the truth is.
+        save_text(tomli_w.dumps(_plain(table)), folder / "truth.toml")
 
 
 def _plain(value: Any) -> Any:

@@ -7,13 +7,20 @@ python -m studies.loop predict DIR/model.toml CAMPAIGN.toml --out DIR2
 from __future__ import annotations
 
 import argparse
+import math
+import os
+import shutil
 import sys
+import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from studies.campaigns import CampaignError, read
+from studies import _run
+from studies._lock import alone
+from studies.campaigns import Campaign, CampaignError, read
 from studies.loop.closing import STANDARD_GRAVITY, close
 from studies.loop.dataset import dataset, save
 from studies.loop.finding_file import as_json, write_finding
@@ -23,6 +30,8 @@ from studies.loop.outcomes.command import close_outcomes
 from studies.loop.outcomes.prediction import read_noise, write_outcome_predictions
 from studies.loop.prediction import write_predictions
 from studies.loop.report.page import write_report
+
+KEPT = "what was in the folder of --out before is as it was, the same command begins again"
 
 
 class _Progress:
@@ -38,16 +47,43 @@ class _Progress:
             print(line.ljust(78) if sys.stderr.isatty() else line, end=end, file=sys.stderr, flush=True)
 
 
+UNFINISHED = ".unfinished-"
+
+
+@contextmanager
+def _together(folder: Path) -> Iterator[Path]:
+    """A folder to write into, whose files come into `folder` when all are there: they belong to one finding.
+
+    Raises:
+        BadInputError: the folder cannot be written to, or another run is at work in it.
+    """
+    _run.writable_folder(folder)
+    with alone(folder / "loop", wait=False):
+        for left in folder.glob(f"{UNFINISHED}*"):  # of a run that was killed
+            shutil.rmtree(left, ignore_errors=True)
+        with tempfile.TemporaryDirectory(prefix=UNFINISHED, dir=folder) as made:
+            yield Path(made)
+            for path in sorted(Path(made).iterdir()):
+                os.replace(path, folder / path.name)
+
+
 def _close(arguments: argparse.Namespace) -> None:
+    if arguments.gravity is not None and not (math.isfinite(arguments.gravity) and arguments.gravity > 0.0):
+        raise _run.BadInputError(f"--gravity {arguments.gravity}: want a positive number [m/s^2]")
     campaign = read(arguments.campaign)
-    folder: Path = arguments.out
-    folder.mkdir(parents=True, exist_ok=True)
     tell = _Progress(arguments.quiet)
-    if campaign.holds_outcomes_alone:
-        gravity = STANDARD_GRAVITY if arguments.gravity is None else arguments.gravity
-        print(close_outcomes(campaign, folder, gravity, tell))
-        return
-    finding = close(campaign, g=arguments.gravity, tell=tell)
+    with _together(arguments.out) as folder:
+        if campaign.holds_outcomes_alone:
+            gravity = STANDARD_GRAVITY if arguments.gravity is None else arguments.gravity
+            said = close_outcomes(campaign, folder, gravity, tell)
+        else:
+            said = _close_records(campaign, arguments.gravity, folder, tell)
+    print(said)
+
+
+def _close_records(campaign: Campaign, gravity: float | None, folder: Path, tell: Callable[[str], None]) -> str:
+    """Close the loop on records and write all files into the folder; the finding in a line."""
+    finding = close(campaign, g=gravity, tell=tell)
     write_model(finding.before, folder / "baseline.toml", campaign.title)
     write_model(replace(finding.after, number=len(campaign.tests)), folder / "model.toml", campaign.title)
     content = as_json(finding, next_test(finding))
@@ -57,7 +93,7 @@ def _close(arguments: argparse.Namespace) -> None:
     save(tree, folder / "loop.nc")
     write_report(finding, content, tree, folder / "report.html")
     before, after = (finding.errors[stage].holdout for stage in ("before", "after"))
-    print(
+    return (
         f"{content['verdict']}: {', '.join(content['effects']) or 'no effect'}; "
         f"held-out error {before:.3g} -> {after:.3g} {finding.units}"
     )
@@ -67,16 +103,17 @@ def _predict(arguments: argparse.Namespace) -> None:
     model = read_model(arguments.model)
     campaign = read(arguments.campaign)
     noise, tell = read_noise(arguments.model), _Progress(arguments.quiet)
-    if noise is None:
-        summary = write_predictions(model, campaign, arguments.out, tell)
-    else:
-        summary = write_outcome_predictions(model, noise, campaign, arguments.out, tell)
+    with _together(arguments.out) as folder:
+        if noise is None:
+            summary = write_predictions(model, campaign, folder, tell)
+        else:
+            summary = write_outcome_predictions(model, noise, campaign, folder, tell)
     fell = sum(row["overturned"] for row in summary.values())
     print(f"{len(summary)} tests predicted, {fell} overturn; written to {arguments.out}")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; 0 if it did, 2 where something is wrong with what it was given."""
+    """Run the command; 0 if it did, 2 where something is wrong with what it was given, 1 if it cannot be written."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     predicting = given[:1] == ["predict"]
     parser = argparse.ArgumentParser(
@@ -96,11 +133,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parsed = parser.parse_args(given[1:] if predicting else given)
     try:
         (_predict if predicting else _close)(parsed)
-    except (CampaignError, ModelError) as error:
+    except (CampaignError, ModelError, _run.BadInputError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
+    except OSError as error:
+        print(f"error: {_run.said_of(error, KEPT)}", file=sys.stderr)
+        return 1
     except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
+        print(f"interrupted: {KEPT}", file=sys.stderr)
         return 130
     return 0
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from rocking.effects import load
+from studies._run import save_text
 from studies.loop.closing import Finding
 from studies.loop.model import MOUNTING
 
@@ -78,6 +79,4 @@ def _plain(value: Any) -> Any:
 
 def write_finding(content: dict[str, Any], path: Path) -> None:
     """Write loop.json, whole or not at all."""
-    part = path.with_name(path.name + ".part")
-    part.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
-    part.replace(path)
+    save_text(json.dumps(content, indent=1) + "\n", path)

@@ -11,7 +11,7 @@ Status   what was written reads back to the same bits.
 from __future__ import annotations
 
 import math
-import tomllib
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -19,16 +19,19 @@ from typing import Any
 import tomli_w
 
 from rocking.effects import available, load
+from studies._run import save_text
 from studies.campaigns import DeclaredBlock
+from studies.campaigns.errors import shown
 from studies.loop.model import LoopModel
+from studies.toml_file import read_toml
 
 
 class ModelError(ValueError):
     """A model file that cannot be used; the message names file and entry."""
 
 
-def write_model(model: LoopModel, path: Path, title: str = "") -> None:
-    """Write a model; the file appears whole or not at all."""
+def write_model(model: LoopModel, path: Path, title: str = "", more: Mapping[str, Any] | None = None) -> None:
+    """Write a model, and further tables by name; the file appears whole or not at all."""
     block = {key: value for key, value in asdict(model.declared).items() if value is not None}
     content: dict[str, Any] = {
         "title": title,
@@ -42,9 +45,7 @@ def write_model(model: LoopModel, path: Path, title: str = "") -> None:
         "effects": {name: dict(parameters) for name, parameters in model.effects.items()},
         "mountings": dict(model.mountings),
     }
-    part = path.with_name(path.name + ".part")
-    part.write_bytes(tomli_w.dumps(content).encode())
-    part.replace(path)
+    save_text(tomli_w.dumps(content | dict(more or {})), path)
 
 
 def read_model(path: Path) -> LoopModel:
@@ -54,17 +55,15 @@ def read_model(path: Path) -> LoopModel:
         ModelError: the file is not there or no TOML, or an entry is missing, unknown or out of its range.
     """
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ModelError(f"{path}: cannot be read ({error.strerror}); want a model.toml that the loop wrote") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ModelError(f"{path}: is no TOML: {error}") from None
+        content = read_toml(path)
+    except ValueError as error:
+        raise ModelError(f"{error}; want a model.toml that the loop wrote") from None
     block, model = _table(path, content, "block"), _table(path, content, "model")
     sizes = {key: _number(path, f"block.{key}", value) for key, value in block.items()}
     try:
         declared = DeclaredBlock(**sizes)
     except TypeError:
-        raise ModelError(f"{path}: block has {', '.join(block)}; want breadth, height, depth and mass") from None
+        raise ModelError(f"{path}: block has {shown(', '.join(block))}, want breadth, height, depth and mass") from None
     found = LoopModel(
         declared,
         _number(path, "model.restitution", model.get("restitution")),
@@ -74,9 +73,13 @@ def read_model(path: Path) -> LoopModel:
         int(_number(path, "model.number", model.get("number", 0))),
         _mountings(path, content.get("mountings", {})),
     )
+    if not 0.0 <= found.restitution <= 1.0:
+        raise ModelError(f"{path}: model.restitution={found.restitution}: want a number from 0 to 1")
+    if min(found.declared.breadth, found.declared.height, found.declared.depth, found.declared.mass) <= 0.0:
+        raise ModelError(f"{path}: block has sizes {shown(str(sizes))}, want breadth, height, depth and mass above 0")
     try:
         found.system  # noqa: B018 (refuses what does not go together)
-    except ValueError as error:
+    except (TypeError, ValueError, ZeroDivisionError, OverflowError) as error:
         raise ModelError(f"{path}: {error}") from None
     return found
 
@@ -89,29 +92,33 @@ def _table(path: Path, content: dict[str, Any], name: str) -> dict[str, Any]:
 
 
 def _number(path: Path, name: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
-        raise ModelError(f"{path}: {name}={value!r}: want a number")
-    return float(value)
+    try:
+        number = math.nan if isinstance(value, bool) or not isinstance(value, int | float) else float(value)
+    except OverflowError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise ModelError(f"{path}: {name}={shown(value)}: want a number that is finite")
+    return number
 
 
 def _mountings(path: Path, table: Any) -> dict[str, float]:
     if not isinstance(table, dict):
-        raise ModelError(f"{path}: mountings={table!r}: want a table of angles by channel")
+        raise ModelError(f"{path}: mountings={shown(table)}: want a table of angles by channel")
     return {name: _number(path, f"mountings.{name}", value) for name, value in table.items()}
 
 
 def _effects(path: Path, tables: Any) -> dict[str, dict[str, float]]:
     out: dict[str, dict[str, float]] = {}
     if not isinstance(tables, dict):
-        raise ModelError(f"{path}: effects={tables!r}: want tables [effects.NAME]")
+        raise ModelError(f"{path}: effects={shown(tables)}: want tables [effects.NAME]")
     for name, parameters in tables.items():
         if name not in available():
-            raise ModelError(f"{path}: effect {name!r} is unknown, want one of {', '.join(available())}")
+            raise ModelError(f"{path}: effect {shown(name)} is unknown, want one of {', '.join(available())}")
         known = load(name).parameter_names()
         if not isinstance(parameters, dict):
-            raise ModelError(f"{path}: effects.{name}={parameters!r}: want a table of its parameters")
+            raise ModelError(f"{path}: effects.{name}={shown(parameters)}: want a table of its parameters")
         strange = [key for key in parameters if key not in known]
         if strange:
-            raise ModelError(f"{path}: effects.{name} has no {strange[0]!r}, want one of {', '.join(known)}")
+            raise ModelError(f"{path}: effects.{name} has no {shown(strange[0])}, want one of {', '.join(known)}")
         out[name] = {key: _number(path, f"effects.{name}.{key}", value) for key, value in parameters.items()}
     return out

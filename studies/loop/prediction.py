@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from studies._run import save_text, write_whole
 from studies.campaigns import Campaign, Test
 from studies.loop.instruments import accelerations
 from studies.loop.model import LoopModel
@@ -53,19 +54,19 @@ def write_predictions(
         _write_csv(folder / f"{test.id}.csv", test, columns, answer)
         when = answer.overturning_time
         summary[test.id] = {"overturned": answer.fell, "time": None if math.isnan(when) else when}
-    part = folder / "predict.json.part"
-    part.write_text(json.dumps({"tests": summary}, indent=1) + "\n", encoding="utf-8")
-    part.replace(folder / "predict.json")
+    save_text(json.dumps({"tests": summary}, indent=1) + "\n", folder / "predict.json")
     return summary
 
 
 def _write_csv(path: Path, test: Test, columns: dict[str, Array], answer: Answer) -> None:
     after = np.isnan(answer.y[:, 0])
-    part = path.with_name(path.name + ".part")
-    with part.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream)
-        writer.writerow(["time", *columns])
-        for i, t in enumerate(test.time):
-            row = ["" if after[i] or not math.isfinite(c[i]) else f"{c[i]:.8g}" for c in columns.values()]
-            writer.writerow([f"{t:.9g}", *row])
-    part.replace(path)
+
+    def write(target: Path) -> None:
+        with target.open("w", newline="", encoding="utf-8") as stream:
+            writer = csv.writer(stream)
+            writer.writerow(["time", *columns])
+            for i, t in enumerate(test.time):
+                row = ["" if after[i] or not math.isfinite(c[i]) else f"{c[i]:.8g}" for c in columns.values()]
+                writer.writerow([f"{t:.9g}", *row])
+
+    write_whole(path, write)

@@ -12,7 +12,6 @@ from __future__ import annotations
 import itertools
 import json
 import math
-import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from studies._run import write_whole
 from studies.sweep.declared import PARAMETERS, Sweep
 from studies.sweep.evaluation import OUTCOMES, VARIABLES
 
@@ -93,19 +93,33 @@ class Folder:
         """Make the folder, or find it as the same sweep left it.
 
         Raises:
-            ValueError: another sweep, or the same by other sources, has begun there.
+            ValueError: another sweep, or the same by other sources, has begun there, or the folder is something else.
         """
-        self.path.mkdir(parents=True, exist_ok=True)
         note = self.path / "sweep.json"
+        foreign = (
+            f"{self.path}: want the folder of a sweep that was cut off, or none; remove it, or choose another --out"
+        )
+        if self.path.exists() and not self.path.is_dir():
+            raise ValueError(foreign)
+        self.path.mkdir(parents=True, exist_ok=True)
+        for left in self.path.glob(".*"):  # of a run that was killed
+            left.unlink(missing_ok=True)
         if note.exists():
-            begun = json.loads(note.read_text(encoding="utf-8"))
+            try:
+                begun = json.loads(note.read_text(encoding="utf-8"))
+            except (OSError, ValueError, RecursionError):
+                begun = None
+            if not isinstance(begun, dict):
+                raise ValueError(foreign)
             for key, value in identity.items():
                 if begun.get(key) != value:
                     raise ValueError(
                         f"{self.path}: holds a sweep of another {key}; want the same, or remove it, or another --out"
                     )
             return
-        _whole(note, lambda path: path.write_text(json.dumps(dict(identity)), encoding="utf-8"))
+        if any(self.path.iterdir()):
+            raise ValueError(foreign)
+        write_whole(note, lambda path: path.write_text(json.dumps(dict(identity)), encoding="utf-8"))
 
     def done(self, number: int) -> bool:
         """Whether a chunk is there."""
@@ -113,7 +127,7 @@ class Folder:
 
     def keep(self, number: int, ds: xr.Dataset) -> None:
         """Write a chunk."""
-        _whole(self.file(number), lambda path: ds.to_netcdf(path, engine="netcdf4"))
+        write_whole(self.file(number), lambda path: ds.to_netcdf(path, engine="netcdf4"))
 
     def sweep_away(self) -> None:
         """Remove the files of the folder, and the folder if nothing else is in it."""
@@ -121,15 +135,3 @@ class Folder:
             path.unlink(missing_ok=True)
         if not any(self.path.iterdir()):
             self.path.rmdir()
-
-
-def _whole(path: Path, write: Any) -> None:
-    """Write a temporary file beside `path`, bring it to the disk, rename it."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        write(temporary)
-        with temporary.open("rb") as file:
-            os.fsync(file.fileno())
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)

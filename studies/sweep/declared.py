@@ -30,7 +30,7 @@ from __future__ import annotations
 
 import json
 import math
-import tomllib
+import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
@@ -42,6 +42,7 @@ import numpy as np
 import excitation
 from excitation.pulse import CentredPulse, FinitePulse
 from studies.overturning import METHODS
+from studies.toml_file import read_toml
 
 Axis = tuple[Any, ...]
 
@@ -69,9 +70,14 @@ PARAMETERS: Mapping[str, Parameter] = {
 }
 """Names that an axis or a fixed value may have."""
 
+MOST_VALUES, MOST_POINTS = 1_000_000, 1_000_000_000
+"""Values of an axis, and points of a sweep: a millisecond each, the latter take eleven days."""
+
 RAMP = "ramped_sinusoid"
 RAMP_DEFAULTS = {"duration": 90.0, "final_amplitude": 25.0 * 9.80665}
 PULSE_DEFAULTS = {"highest": 100.0, "steps": 40, "bisections": 20, "after": 6.0}
+MOST = {"steps": 10_000, "bisections": 100}
+"""Of what the search for a pulse's least amplitude may take."""
 RUN_DEFAULTS = {"solver": "numba", "form": "linear", "rtol": 1e-9, "atol": 1e-12, "depth": 0.25}
 
 
@@ -111,6 +117,8 @@ class Sweep:
     title: str = "Criteria of rocking and overturning"
 
     def __post_init__(self) -> None:
+        if not isinstance(self.title, str) or not self.title.isprintable():
+            raise ValueError(f"title={_shown(self.title)}: want text that can be printed")
         axes = {name: _axis(name, values) for name, values in self.axes.items()}
         if not axes:
             raise ValueError("axes: none given, want one or more")
@@ -123,6 +131,8 @@ class Sweep:
         object.__setattr__(self, "excitations", {n: _excitation(n, e) for n, e in self.excitations.items()})
         object.__setattr__(self, "run", _run_settings(self.run))
         self._check_together()
+        if self.size > MOST_POINTS:
+            raise ValueError(f"axes: {' x '.join(map(str, self.shape))} points, want at most {MOST_POINTS} in all")
 
     def _check_together(self) -> None:
         for name in self.all_values("excitation"):
@@ -155,41 +165,73 @@ class Sweep:
 
 def _value(name: str, value: Any) -> Any:
     if name not in PARAMETERS:
-        raise ValueError(f"{name}: want one of {', '.join(PARAMETERS)}")
+        raise ValueError(f"{_key(name)}: want one of {', '.join(PARAMETERS)}")
     parameter = PARAMETERS[name]
     if not parameter.units:
         if not isinstance(value, str):
-            raise ValueError(f"{name}={value!r}: want a name")
+            raise ValueError(f"{name}={_shown(value)}: want a name")
         return value
-    number = float(value) if isinstance(value, (int, float, np.number)) and not isinstance(value, bool) else math.nan
+    number = _number(value)
     low = number >= parameter.low if parameter.low_allowed else number > parameter.low
     if not (math.isfinite(number) and low and number < parameter.high):
         least = f"{parameter.low:g} or more" if parameter.low_allowed else f"above {parameter.low:g}"
         most = "" if parameter.high == math.inf else f" and below {parameter.high:g}"
         unit = "" if parameter.units == "1" else f" {parameter.units}"
-        raise ValueError(f"{name}={value!r}{unit}: want a number {least}{most}")
+        raise ValueError(f"{name}={_shown(value)}{unit}: want a number {least}{most}")
     return number
+
+
+def _number(value: Any) -> float:
+    """A number as such; NaN for anything else."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
+        return math.nan
+    try:
+        return float(value)
+    except OverflowError:
+        return math.nan
+
+
+def _key(name: Any) -> str:
+    """A name as an error shows it: as it is where that can be printed."""
+    return name if isinstance(name, str) and name.isprintable() and len(name) <= 60 else _shown(name)
+
+
+def _shown(value: Any) -> str:
+    """A value as an error shows it."""
+    try:
+        text = repr(value)
+    except ValueError:  # Python prints no integer of more than 4300 digits
+        return "a number of thousands of digits"
+    return text if len(text) <= 80 else f"{text[:77]}..."
 
 
 def _spaced(name: str, spec: Mapping[str, Any]) -> list[float]:
     """Values from start, stop, count and log."""
-    try:
-        start, stop, count = float(spec["start"]), float(spec["stop"]), spec["count"]
-    except (KeyError, TypeError, ValueError):
-        raise ValueError(f"{name}={dict(spec)!r}: want start, stop and count, and perhaps log") from None
-    if set(spec) - {"start", "stop", "count", "log"} or not isinstance(count, int) or count < 1:
-        raise ValueError(f"{name}={dict(spec)!r}: want start, stop and a whole count above 0, and perhaps log")
-    if spec.get("log"):
+    shown = _shown(dict(spec))
+    if not {"start", "stop", "count"} <= set(spec) or set(spec) - {"start", "stop", "count", "log"}:
+        raise ValueError(f"{name}={shown}: want start, stop and count, and perhaps log")
+    start, stop, count, log = _number(spec["start"]), _number(spec["stop"]), spec["count"], spec.get("log", False)
+    if not (math.isfinite(start) and math.isfinite(stop)):
+        raise ValueError(f"{name}={shown}: want start and stop as numbers")
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_VALUES:
+        raise ValueError(f"{name}={shown}: want start, stop and a whole count above 0, at most {MOST_VALUES}")
+    if not isinstance(log, bool):
+        raise ValueError(f"{name}={shown}: want log = true or false")
+    if log:
         if not (start > 0.0 and stop > 0.0):
-            raise ValueError(f"{name}={dict(spec)!r}: want start and stop above 0 with log")
+            raise ValueError(f"{name}={shown}: want start and stop above 0 with log")
         return [float(x) for x in np.geomspace(start, stop, count)]
     return [float(x) for x in np.linspace(start, stop, count)]
 
 
 def _axis(name: str, values: Any) -> Axis:
+    if name not in PARAMETERS:
+        raise ValueError(f"{_key(name)}: want one of {', '.join(PARAMETERS)}")
     listed = _spaced(name, values) if isinstance(values, Mapping) else values
     if isinstance(listed, str) or not isinstance(listed, (list, tuple, range, np.ndarray)) or len(listed) == 0:
-        raise ValueError(f"{name}={values!r}: want a list of one or more values")
+        raise ValueError(f"{name}={_shown(values)}: want a list of one or more values")
+    if len(listed) > MOST_VALUES:
+        raise ValueError(f"{name}: {len(listed)} values, want at most {MOST_VALUES}")
     found = tuple(_value(name, value) for value in listed)
     if len(set(found)) < len(found):
         raise ValueError(f"{name}: want each value once")
@@ -198,22 +240,23 @@ def _axis(name: str, values: Any) -> Axis:
     return found
 
 
-def _excitation(name: str, given: Mapping[str, Any]) -> dict[str, Any]:
+def _excitation(name: str, given: Any) -> dict[str, Any]:
+    if not isinstance(given, Mapping):
+        raise ValueError(f"excitations.{_key(name)}={_shown(given)}: want a table")
     kind = given.get("kind")
     if kind != RAMP and kind not in pulses():
-        raise ValueError(f"excitations.{name}.kind={kind!r}: want one of {', '.join((RAMP, *pulses()))}")
+        raise ValueError(f"excitations.{_key(name)}.kind={_shown(kind)}: want one of {', '.join((RAMP, *pulses()))}")
     known = RAMP_DEFAULTS if kind == RAMP else PULSE_DEFAULTS
     for key, value in given.items():
         if key == "kind":
             continue
         if key not in known:
-            raise ValueError(f"excitations.{name}.{key}: want one of {', '.join(('kind', *known))}")
+            raise ValueError(f"excitations.{_key(name)}.{_key(key)}: want one of {', '.join(('kind', *known))}")
         whole = key in ("steps", "bisections")
-        fits = isinstance(value, int if whole else (int, float)) and not isinstance(value, bool)
-        if not (fits and math.isfinite(value) and value > 0):
-            raise ValueError(
-                f"excitations.{name}.{key}={value!r}: want a {'whole number' if whole else 'number'} above 0"
-            )
+        number = math.nan if whole and not isinstance(value, int) else _number(value)
+        if not 0.0 < number <= MOST.get(key, sys.float_info.max):
+            wanted = f"a whole number above 0, at most {MOST[key]}" if whole else "a number above 0"
+            raise ValueError(f"excitations.{_key(name)}.{key}={_shown(value)}: want {wanted}")
     return {"kind": kind} | known | {key: value for key, value in given.items() if key != "kind"}
 
 
@@ -222,15 +265,16 @@ def _run_settings(given: Mapping[str, Any]) -> dict[str, Any]:
 
     for key in given:
         if key not in RUN_DEFAULTS:
-            raise ValueError(f"run.{key}: want one of {', '.join(RUN_DEFAULTS)}")
+            raise ValueError(f"run.{_key(key)}: want one of {', '.join(RUN_DEFAULTS)}")
     settings: dict[str, Any] = RUN_DEFAULTS | dict(given)
-    if settings["solver"] not in available():
-        raise ValueError(f"run.solver={settings['solver']!r}: want one of {', '.join(available())}")
+    if not isinstance(settings["solver"], str) or settings["solver"] not in available():
+        raise ValueError(f"run.solver={_shown(settings['solver'])}: want one of {', '.join(available())}")
     if settings["form"] not in ("linear", "nonlinear"):
-        raise ValueError(f"run.form={settings['form']!r}: want 'linear' or 'nonlinear'")
+        raise ValueError(f"run.form={_shown(settings['form'])}: want 'linear' or 'nonlinear'")
     for key in ("rtol", "atol", "depth"):
-        if not (isinstance(settings[key], (int, float)) and math.isfinite(settings[key]) and settings[key] > 0.0):
-            raise ValueError(f"run.{key}={settings[key]!r}: want a number above 0")
+        number = _number(settings[key])
+        if not (math.isfinite(number) and number > 0.0):
+            raise ValueError(f"run.{key}={_shown(settings[key])}: want a number above 0")
     return settings
 
 
@@ -243,10 +287,10 @@ def from_mapping(declared: Mapping[str, Any]) -> Sweep:
     known = ("title", "axes", "fixed", "excitations", "run")
     for key in declared:
         if key not in known:
-            raise ValueError(f"{key}: want one of {', '.join(known)}")
+            raise ValueError(f"{_key(key)}: want one of {', '.join(known)}")
     for key in known[1:]:
         if key in declared and not isinstance(declared[key], Mapping):
-            raise ValueError(f"{key}={declared[key]!r}: want a table")
+            raise ValueError(f"{key}={_shown(declared[key])}: want a table")
     return Sweep(**{"axes": {}} | dict(declared))
 
 
@@ -256,10 +300,4 @@ def read(path: Path | str) -> Sweep:
     Raises:
         ValueError: it cannot be read, or a name or a value is not one that it can have.
     """
-    try:
-        with Path(path).open("rb") as file:
-            return from_mapping(tomllib.load(file))
-    except OSError as error:
-        raise ValueError(f"{path}: want a file that can be read ({error.strerror})") from None
-    except tomllib.TOMLDecodeError as error:
-        raise ValueError(f"{path}: want TOML ({error})") from None
+    return from_mapping(read_toml(Path(path)))

@@ -19,7 +19,7 @@ import numpy as np
 import xarray as xr
 
 from studies import _run
-from studies.sweep.chunks import Folder, boxes, coordinates, variable_attributes
+from studies.sweep.chunks import Box, Folder, boxes, coordinates, variable_attributes
 from studies.sweep.declared import Sweep
 from studies.sweep.evaluation import G
 
@@ -47,13 +47,19 @@ def _skeleton(target: netCDF4.Dataset, sweep: Sweep) -> None:
         variable.setncatts(attributes)
 
 
-def _chunk(path: Path) -> xr.Dataset:
+def _chunk(sweep: Sweep, box: Box, path: Path) -> xr.Dataset:
+    """The chunk of that box, and of no other sweep."""
     try:
-        with xr.open_dataset(path, engine="netcdf4") as ds:
-            return ds.load()
-    except (OSError, ValueError, RuntimeError):
-        path.unlink(missing_ok=True)
-        raise RuntimeError(f"{path}: was damaged and is removed; the same command computes it again") from None
+        ds = _run.load_dataset(path)
+        shape = tuple(stop - start for start, stop in box)
+        fits = all(name in ds and ds[name].shape == shape for name in variable_attributes())
+        json.loads(ds.attrs["declined"])
+        if fits and ds.attrs["declared"] == sweep.as_json():
+            return ds
+    except (KeyError, TypeError, ValueError):
+        pass
+    path.unlink(missing_ok=True)
+    raise RuntimeError(f"{path}: was damaged and is removed; the same command computes it again") from None
 
 
 def gather(sweep: Sweep, folder: Folder, points: int, target: Path, attributes: dict[str, str]) -> None:
@@ -68,9 +74,9 @@ def gather(sweep: Sweep, folder: Folder, points: int, target: Path, attributes: 
         with netCDF4.Dataset(path, "w") as file:
             _skeleton(file, sweep)
             for number, box in enumerate(boxes(sweep.shape, points)):
-                part, where = _chunk(folder.file(number)), tuple(slice(*pair) for pair in box)
-                for name in part.data_vars:
-                    file[str(name)][where] = part[name].values
+                part, where = _chunk(sweep, box, folder.file(number)), tuple(slice(*pair) for pair in box)
+                for name in variable_attributes():
+                    file[name][where] = part[name].values
                 declined.update(json.loads(part.attrs["declined"]))
             file.setncatts(attributes | {"declined": json.dumps(sorted(declined))})
 

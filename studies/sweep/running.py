@@ -1,7 +1,8 @@
 """A sweep carried out: chunks side by side on this machine's cores or on a dask cluster, kept as they are done.
 
 Only so many chunks are under way as keep the workers busy, so the sweep may be larger than memory.  What is there is
-not computed again; a chunk of a worker that died is given to another.
+not computed again; a chunk of a worker that died is given to another.  Two runs on one file take turns: the second
+finds it done.
 
 Source   none, own convention
 Status   killed and gone on with, on cores and on a cluster (tests)
@@ -20,6 +21,8 @@ from typing import Any
 import xarray as xr
 from tqdm import tqdm
 
+from studies._lock import alone
+from studies._run import clear_unfinished
 from studies.parts import sources_hash
 from studies.sweep.chunks import Box, Folder, as_dataset, boxes, count_boxes
 from studies.sweep.declared import Sweep
@@ -37,10 +40,13 @@ Results = Iterator[tuple[Task, Mapping[str, Any]]]
 
 
 def _on_cores(declared: Mapping[str, Any], tasks: Iterator[Task], workers: int) -> Results:
-    """Results in the order in which they are done; compiled code runs side by side in threads."""
+    """Results in the order in which they are done; compiled code runs side by side in threads.
+
+    After Ctrl-C, or when one fails, those under way are finished and given before it goes on.
+    """
     pool = ThreadPoolExecutor(workers)
+    under_way: dict[Any, Task] = {}
     try:
-        under_way: dict[Any, Task] = {}
         for task in tasks:
             under_way[pool.submit(evaluate, declared, task[1])] = task
             if len(under_way) >= AHEAD * workers:
@@ -51,6 +57,12 @@ def _on_cores(declared: Mapping[str, Any], tasks: Iterator[Task], workers: int) 
             done, _ = wait(under_way, return_when=FIRST_COMPLETED)
             for future in done:
                 yield under_way.pop(future), future.result()
+    except (KeyboardInterrupt, Exception):
+        pool.shutdown(wait=True, cancel_futures=True)
+        for future, task in under_way.items():
+            if not future.cancelled() and future.exception() is None:
+                yield task, future.result()
+        raise
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
 
@@ -112,7 +124,10 @@ def run(
         watch: called with the number of each chunk that has been written.
 
     Raises:
-        ValueError: an argument is not one that it can be, or another sweep has begun there.
+        ValueError: an argument is not one that it can be, another sweep has begun there, or the file is there and holds
+            something else, which is left as it is.
+        RuntimeError: a chunk was damaged; it has been removed, and the same call computes it again.
+        OSError: a file cannot be written; chunks that are done are kept.
     """
     if workers is not None and workers < 1:
         raise ValueError(f"workers={workers}: want 1 or more")
@@ -121,11 +136,29 @@ def run(
     target = Path(out)
     identity = {"declaration": json.loads(sweep.as_json()), "sources": sources_hash(), "chunk size": chunk_points}
     attributes = attributes_of(sweep, identity, command)
-    if target.exists() and _same(target, attributes):
-        return xr.open_dataset(target)
+    _check_target(target, attributes)
     target.parent.mkdir(parents=True, exist_ok=True)
-    folder = Folder(target.with_name(f"{target.name}.parts"))
-    folder.begin(identity)
+    with alone(target):
+        if not _there(target, attributes):
+            clear_unfinished(target)
+            folder = Folder(target.with_name(f"{target.name}.parts"))
+            folder.begin(identity)
+            _compute(sweep, folder, workers, scheduler, chunk_points, progress, watch)
+            gather(sweep, folder, chunk_points, target, attributes)
+            folder.sweep_away()
+    return xr.open_dataset(target)
+
+
+def _compute(
+    sweep: Sweep,
+    folder: Folder,
+    workers: int | None,
+    scheduler: str | None,
+    chunk_points: int,
+    progress: bool,
+    watch: Callable[[int], None] | None,
+) -> None:
+    """Every chunk that is not there yet."""
     declared = json.loads(sweep.as_json())
     missing = ((i, box) for i, box in enumerate(boxes(sweep.shape, chunk_points)) if not folder.done(i))
     total = count_boxes(sweep.shape, chunk_points)
@@ -141,15 +174,24 @@ def run(
             bar.update()
             if watch is not None:
                 watch(number)
-    gather(sweep, folder, chunk_points, target, attributes)
-    folder.sweep_away()
-    return xr.open_dataset(target)
 
 
-def _same(target: Path, attributes: Mapping[str, str]) -> bool:
-    """Whether the file is the dataset of this sweep by these sources."""
+def _stated(target: Path) -> Mapping[str, Any]:
+    """The attributes of a dataset; none of what is no dataset."""
     try:
-        with xr.open_dataset(target) as ds:
-            return all(ds.attrs.get(key) == attributes[key] for key in ("declared", "sources"))
-    except (OSError, ValueError):
-        return False
+        with xr.open_dataset(target, engine="netcdf4") as ds:
+            return dict(ds.attrs)
+    except Exception:  # whatever the libraries meet in a stranger's file means that it is none
+        return {}
+
+
+def _there(target: Path, attributes: Mapping[str, str]) -> bool:
+    """Whether the file is the dataset of this sweep by these sources."""
+    stated = _stated(target) if target.is_file() else {}
+    return all(stated.get(key) == attributes[key] for key in ("declared", "sources"))
+
+
+def _check_target(target: Path, attributes: Mapping[str, str]) -> None:
+    """ValueError where something else is under that name, which the sweep would write over."""
+    if target.exists() and not (target.is_file() and _stated(target).get("declared") == attributes["declared"]):
+        raise ValueError(f"{target}: is there and not of this sweep; want another --out, or remove it")

@@ -13,16 +13,16 @@ from __future__ import annotations
 
 import json
 import math
-import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import tomli_w
 
+from studies._run import save_text
 from studies.campaigns import Campaign, Test
+from studies.campaigns.errors import shown
 from studies.loop.model import LoopModel
 from studies.loop.model_file import ModelError, write_model
 from studies.loop.outcomes.data import scaled
@@ -30,6 +30,7 @@ from studies.loop.outcomes.likelihood import Array, Noise, probability, weights
 from studies.loop.outcomes.runs import FINE, Falls, falls_of
 from studies.loop.prediction import write_predictions
 from studies.loop.simulation import Simulator
+from studies.toml_file import read_toml
 
 SECTION = "outcomes"
 
@@ -62,11 +63,7 @@ def falls_at_strengths(
 
 def write_outcome_model(model: LoopModel, noise: Noise, path: Path, title: str) -> None:
     """A model with its noise; the file appears whole or not at all."""
-    write_model(model, path, title)
-    content = tomllib.loads(path.read_text(encoding="utf-8")) | {SECTION: asdict(noise)}
-    part = path.with_name(path.name + ".part")
-    part.write_bytes(tomli_w.dumps(content).encode())
-    part.replace(path)
+    write_model(model, path, title, {SECTION: asdict(noise)})
 
 
 def read_noise(path: Path) -> Noise | None:
@@ -75,14 +72,17 @@ def read_noise(path: Path) -> Noise | None:
     Raises:
         ModelError: the table lacks an entry, or it is no number within its range.
     """
-    table = tomllib.loads(path.read_text(encoding="utf-8")).get(SECTION)
+    try:
+        table = read_toml(path).get(SECTION)
+    except ValueError as error:
+        raise ModelError(f"{error}; want a model.toml that the loop wrote") from None
     if table is None:
         return None
     ranges = {"spread": (0.0, math.inf), "error_rate": (0.0, 0.5)}
     for key, (low, high) in ranges.items():
         value = table.get(key) if isinstance(table, dict) else None
         if isinstance(value, bool) or not isinstance(value, int | float) or not low < value < high:
-            raise ModelError(f"{path}: {SECTION}.{key}={value!r}: want a number between {low:g} and {high:g}")
+            raise ModelError(f"{path}: {SECTION}.{key}={shown(value)}: want a number between {low:g} and {high:g}")
     return Noise(float(table["spread"]), float(table["error_rate"]))
 
 
@@ -107,7 +107,5 @@ def write_outcome_predictions(
         row = summary[test.id]
         row |= {"overturned": bool(p > 0.5), "probability": float(p)}
         row["time"] = row["time"] if row["overturned"] else None
-    part = folder / "predict.json.part"
-    part.write_text(json.dumps({"tests": summary}, indent=1) + "\n", encoding="utf-8")
-    part.replace(folder / "predict.json")
+    save_text(json.dumps({"tests": summary}, indent=1) + "\n", folder / "predict.json")
     return summary

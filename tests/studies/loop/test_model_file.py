@@ -46,7 +46,7 @@ def test_a_model_that_is_not_there_ends_the_command_with_a_sentence(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["predict", str(tmp_path / "model.toml"), str(tmp_path), "--out", str(tmp_path / "out")]) == 2
-    assert "model.toml: cannot be read" in capsys.readouterr().err
+    assert "model.toml: want a file that can be read" in capsys.readouterr().err
 
 
 def test_restitution_drifts_with_the_number_of_the_test() -> None:
