@@ -25,7 +25,7 @@ extensions = [
     "sign_drawings",
 ]
 
-exclude_patterns = ["examples", "_ext", "gallery", "results", "sg_execution_times.rst"]
+exclude_patterns = ["examples", "_ext", "gallery", "results", "sg_execution_times.rst", "*/sg_execution_times.rst"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 nitpicky = True
 # Types of other projects; their inventories would need a network.
@@ -76,6 +76,7 @@ html_theme = "furo"
 html_title = f"rocking-blocks {version}"
 html_static_path = ["_static"]
 html_css_files = ["wide_tables.css"]
+html_js_files = ["fit_equations.js"]
 html_theme_options = {"navigation_with_keys": True}
 html_copy_source = False
 html_show_sourcelink = False

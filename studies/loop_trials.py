@@ -235,11 +235,14 @@ def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--effects", nargs="+", default=[*known, *PAIRS], help="names, pairs as a+b, null for none")
     parser.add_argument("--quick", action="store_true", help=f"{' and '.join(QUICK)} alone")
     parser.add_argument("--seeds", type=int, default=1, help="campaigns for each")
-    parser.add_argument("--first-seed", type=int, default=1001)
+    parser.add_argument("--first-seed", type=int, default=1001, help="seed of the first (%(default)s)")
     parser.add_argument("--jobs", type=int, default=1, help="campaigns at a time")
-    parser.add_argument("--strength", choices=("strong", "weak"), default="strong")
-    parser.add_argument("--channel", choices=("rotation", "block_acceleration", "outcome"), default="rotation")
-    parser.add_argument("--nuisances", nargs="*", default=[], choices=NUISANCES)
+    parser.add_argument("--strength", choices=("strong", "weak"), default="strong", help="of the effect (%(default)s)")
+    parser.add_argument(
+        "--channel", choices=("rotation", "block_acceleration", "outcome"), default="rotation",
+        help="what the laboratory hands over (%(default)s)",
+    )  # fmt: skip
+    parser.add_argument("--nuisances", nargs="*", default=[], choices=NUISANCES, help="what else is not ideal there")
     parser.add_argument("--out", type=Path, default=OUT, help="folder of campaigns, runs and table (%(default)s)")
     parser.add_argument("--csv", type=Path, help="the table (loop_trials.csv in that folder)")
     parser.add_argument("--command", default=f"{sys.executable} -m studies.loop", help="what is judged")

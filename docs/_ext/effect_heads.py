@@ -1,4 +1,4 @@
-"""The page of effects, made from the heads of the files in rocking/effects."""
+"""The page of effects, made from the heads of the files in rocking/effects: a table of all, and a section for each."""
 
 from __future__ import annotations
 
@@ -10,7 +10,10 @@ import textwrap
 
 from rocking.effects import available, load
 
-ENTRY = re.compile(r"^(Adds|Changes|Parameters|Use when|Limits|Source|Status) +(?=\S)")
+ENTRY = re.compile(
+    r"^(Adds|Changes|Parameters|Use when|Limits|Source|Status"  # of effects
+    r"|Accuracy|Cases?|Scenes|Maps|Sweeps?|Runs?|Peers|Floor|Measure) +(?=\S)"  # of benchmarks
+)
 
 
 def head_of(doc: str) -> tuple[str, list[tuple[str, str]]]:
@@ -31,14 +34,13 @@ def head_of(doc: str) -> tuple[str, list[tuple[str, str]]]:
 
 def literal(text: str) -> str:
     """Text of a head as Markdown: what is no word of English stays as it is."""
-    parts = re.split(r"(`[^`]+`)", text)
+    # Two primes are a second derivative, not the end of a quotation.
+    parts = re.split(r"(`[^`]+`)", text.replace("''", "\N{DOUBLE PRIME}"))
     return "".join(p if i % 2 else re.sub(r"([*_<>|\[\]\\$])", r"\\\1", p) for i, p in enumerate(parts))
 
 
 def _number(value: float | None) -> str:
-    return (
-        "the block's own" if value is None else {math.inf: "infinite", -math.inf: "-infinite"}.get(value, f"{value:g}")
-    )
+    return "the block's own" if value is None else {math.inf: "∞", -math.inf: "−∞"}.get(value, f"{value:g}")
 
 
 def _parameters(name: str) -> str:
@@ -53,12 +55,17 @@ def _parameters(name: str) -> str:
     return "\n".join(rows)
 
 
+def _short(title: str) -> str:
+    """The first sentence of a head without the name before its colon."""
+    return literal(title.partition(": ")[2] or title).rstrip(".")
+
+
 def effects_text() -> str:
-    """One section for each effect of the package."""
-    parts = []
-    for name in available():
-        module = importlib.import_module(load(name).__module__)
-        title, entries = head_of(module.__doc__ or "")
+    """A table of all, and one section for each effect of the package."""
+    heads = {name: head_of(importlib.import_module(load(name).__module__).__doc__ or "") for name in available()}
+    rows = [f"| [`{name}`](#{name.replace('_', '-')}-effect) | {_short(title)} |" for name, (title, _) in heads.items()]
+    parts = ["\n".join(["| effect | what the ideal block lacks |", "|---|---|", *rows, ""])]
+    for name, (title, entries) in heads.items():
         lines = [f"({name.replace('_', '-')}-effect)=", f"## `{name}`", "", literal(title), ""]
         # A list of definitions.
         for entry, text in entries:

@@ -167,8 +167,11 @@ def fields_of(obj: Any) -> dict[str, str]:
 def shorter(
     app: Sphinx, what: str, name: str, obj: Any, options: Any, arguments: str | None, returns: str | None
 ) -> tuple[str | None, str | None]:
-    """Signatures with `NDArray[float64]` and `ArrayLike` in place of what these are short for."""
-    return arguments and named(arguments), returns and named(returns)
+    """Signatures with `NDArray[float64]` and `ArrayLike` in place of what these are short for.
+
+    A default that is made anew each time has no value to show; without it the rest can be read as Python.
+    """
+    return arguments and named(arguments).replace("<factory>", "..."), returns and named(returns)
 
 
 def named(text: str) -> str:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import ast
 import csv
+import re
 import subprocess
 from pathlib import Path
 
-from effect_heads import literal
+from effect_heads import head_of, literal
 
 ROOT = Path(__file__).resolve().parents[2]
 CHECKS = ROOT / "docs" / "results" / "checks.csv"
@@ -20,14 +21,20 @@ def rows_of(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(stream))
 
 
+def _cell(text: str) -> str:
+    """A cell of a table of measurements: short ones on one line, long names with places to break."""
+    text = literal(text)
+    return text.replace(" ", "\N{NO-BREAK SPACE}") if len(text) <= 20 else re.sub(r"(?<=[_+])", "\u200b", text)
+
+
 def _table(columns: list[str], rows: list[list[str]]) -> str:
     lines = [f"| {' | '.join(columns)} |", "|" + "---|" * len(columns)]
     return "\n".join(lines + [f"| {' | '.join(cell or ' ' for cell in row)} |" for row in rows])
 
 
-def _boxed(table: str) -> str:
-    """A table with the style of checks."""
-    return f"::::{{container}} checks\n{table}\n::::"
+def _boxed(table: str, style: str) -> str:
+    """A table with a style of its own."""
+    return f"::::{{container}} {style}\n{table}\n::::"
 
 
 def day_of(path: Path) -> str:
@@ -43,7 +50,8 @@ def benchmarks_text() -> str:
     """All benchmarks whose results are kept, one section to a file."""
     parts = []
     for path in sorted((ROOT / "benchmarks" / "results").glob("*.csv")):
-        parts += [f"## {path.stem.replace('_', ' ').capitalize()}", "", benchmark_text(path), ""]
+        title = path.stem.replace("_", " ").capitalize().replace("Dem ", "DEM ")
+        parts += [f"## {title}", "", benchmark_text(path), ""]
     return "\n".join(parts)
 
 
@@ -51,15 +59,15 @@ def benchmark_text(path: Path) -> str:
     """A benchmark: the head of its script, the day, the table."""
     scripts = [ROOT / folder / f"{path.stem}.py" for folder in ("benchmarks", "studies")]
     head = next((ast.get_docstring(ast.parse(s.read_text())) or "" for s in scripts if s.exists()), "")
-    title, _, rest = head.partition("\n\n")
+    title, entries = head_of(head)
     rows = rows_of(path)
     same = {c: rows[0][c] for c in rows[0] if c in ("python", "machine") and len({row[c] for row in rows}) == 1}
     columns = [c for c in rows[0] if c not in same]
     where = f"Python {same['python']} on {same['machine']}" if len(same) == 2 else "see the columns"
-    table = _table([c.replace("_", " ") for c in columns], [[literal(row[c]) for c in columns] for row in rows])
+    table = _table([c.replace("_", " ") for c in columns], [[_cell(row[c]) for c in columns] for row in rows])
     note = f"*Result of {day_of(path)}, {where}; `benchmarks/results/{path.name}`.*"
-    about = ["```text", rest, "```", ""] if rest else []
-    return "\n".join([literal(" ".join(title.split())), "", *about, note, "", table])
+    about = [line for name, text in entries for line in (name, f": {literal(text)}", "")]
+    return "\n".join([literal(title), "", *about, note, "", _boxed(table, "measured")])
 
 
 def _numbers(row: dict[str, str]) -> tuple[str, str]:
@@ -76,7 +84,26 @@ def _check_rows(rows: list[dict[str, str]]) -> str:
         found, wanted = _numbers(row)
         found, wanted = (t if t.startswith("`") else literal(t) for t in (found, wanted))
         cells.append([literal(row["claim"]), row["cases"], found.replace("|", "\\|"), wanted, literal(row["beside"])])
-    return _boxed(_table(["claim", "cases", "found", "wanted", "held against"], cells))
+    return _boxed(_table(["claim", "cases", "found", "wanted", "held against"], cells), "checks every")
+
+
+def _says_a_number(found: str) -> bool:
+    """Whether what an assertion has left is a comparison of numbers, not of names or types."""
+    return bool(found) and not any(sign in found for sign in ("'", '"', "<class", "True", "False"))
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'s' * (number != 1)}"
+
+
+def _is(number: int) -> str:
+    return "is" if number == 1 else "are"
+
+
+def _heading(file: str) -> str:
+    """The subject of a file of tests, in words."""
+    words = Path(file).stem.removeprefix("test_").replace("_", " ")
+    return words[0].upper() + words[1:]
 
 
 def checks_text(prefix: str) -> str:
@@ -88,13 +115,12 @@ def checks_text(prefix: str) -> str:
         head = ast.get_docstring(ast.parse((ROOT / file).read_text())) or ""
         title = literal(" ".join(head.split("\n\n")[0].split()))
         cases = sum(int(row["cases"]) for row in own)
-        days = sorted({row["date"] for row in own})
-        name = file.removeprefix("tests/").removesuffix(".py")
-        note = f"*{len(own)} tests in {cases} cases, run on {days[-1]}.*"
-        shown = [row for row in own if row["found"]]
-        if len(shown) < len(own):
-            note = note.replace(".*", f"; {len(own) - len(shown)} compare no numbers and are not listed.*")
-        parts += [f"## `{name}`", "", title, "", note, "", _check_rows(shown) if shown else "", ""]
+        day = max(row["date"] for row in own)
+        shown = [row for row in own if _says_a_number(row["found"])]
+        left = len(own) - len(shown)
+        more = f"; {left} compare{'s' * (left == 1)} no numbers and {_is(left)} not listed" if left else ""
+        note = f"*`{file}`: {_count(len(own), 'test')} in {_count(cases, 'case')}, run on {day}{more}.*"
+        parts += [f"## {_heading(file)}", "", title, "", note, "", _check_rows(shown) if shown else "", ""]
     return "\n".join(parts)
 
 
@@ -106,4 +132,4 @@ def anchors_text() -> str:
         row = by_test.get((anchor["file"], anchor["test"]))
         found, wanted = _numbers(row) if row else ("*not collected yet*", "")
         cells.append([literal(anchor["what"]), found, wanted, literal(f"{anchor['source']} ({anchor['file']})")])
-    return _boxed(_table(["what is checked", "found", "wanted", "source (and where)"], cells))
+    return _boxed(_table(["what is checked", "found", "wanted", "source (and where)"], cells), "checks short")

@@ -24,15 +24,21 @@ def build(period, peak):
 
 
 axes = {"period": np.geomspace(0.2, 3.0, 60), "peak": np.geomspace(1.0, 15.0, 60)}
-ds = overturning_map(build, axes, t_end=12.0, solver="taylor", units={"period": "s", "peak": "m/s^2"})
+ds = overturning_map(
+    build, axes, t_end=12.0, solver="taylor", units={"period": "s", "peak": "m/s^2"}
+)
 
 # %%
 # Below the dashed line it does not even rock. Between the lines it rocks and comes back; in the dark area it
 # falls. A push of a given velocity lies on a falling line: velocity fells, not acceleration alone.
 
 figure, ax = plt.subplots(figsize=(7, 4.5))
-ax.contourf(ds.period, ds.peak, ds.overturned.T, levels=[0.5, 1.5], colors=["#c0392b"], alpha=0.75)
-ax.axhline(west_acceleration(shelf.b, shelf.h), ls="--", color="k", label="starts to rock: $(b/h)\\,g$")
+ax.contourf(
+    ds.period, ds.peak, ds.overturned.T, levels=[0.5, 1.5], colors=["#c0392b"], alpha=0.75
+)
+ax.axhline(
+    west_acceleration(shelf.b, shelf.h), ls="--", color="k", label="starts to rock: $(b/h)\\,g$"
+)
 velocity = ishiyama_velocity(shelf)
 ax.plot(
     ds.period,
@@ -41,7 +47,13 @@ ax.plot(
     color="k",
     label=f"peak velocity {velocity:.2f} m/s (Ishiyama's limit)",
 )
-ax.set(xscale="log", yscale="log", ylim=(1.0, 15.0), xlabel="period of the push [s]", ylabel="peak acceleration [m/s²]")
+ax.set(
+    xscale="log",
+    yscale="log",
+    ylim=(1.0, 15.0),
+    xlabel="period of the push [s]",
+    ylabel="peak acceleration [m/s²]",
+)
 for axis, ticks in ((ax.xaxis, [0.2, 0.5, 1, 2, 3]), (ax.yaxis, [1, 2, 5, 10])):
     axis.set_major_locator(FixedLocator(ticks))
     axis.set_major_formatter("{x:g}")

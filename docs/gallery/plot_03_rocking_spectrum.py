@@ -12,7 +12,9 @@ import numpy as np
 import excitation as ex
 from rocking.maps import rocking_spectrum
 
-record = ex.scaled_to(ex.KanaiTajimi(rms=1.0, duration=20.0).record(time_step=0.01, seed=5), pga=4.0)
+record = ex.scaled_to(
+    ex.KanaiTajimi(rms=1.0, duration=20.0).record(time_step=0.01, seed=5), pga=4.0
+)
 motion = record.motion(interpolation="linear")
 
 period = np.linspace(0.8, 5.0, 120)
@@ -26,7 +28,9 @@ for angle in ds.alpha.values:
     curve = ds.relative_rotation.sel(alpha=angle)
     right.plot(ds.period, curve, label=f"α = {np.degrees(angle):.0f}°")
     fell = ds.overturned.sel(alpha=angle)
-    right.plot(ds.period[fell], np.full(int(fell.sum()), 1.02), "|", color=right.lines[-1].get_color())
+    right.plot(
+        ds.period[fell], np.full(int(fell.sum()), 1.02), "|", color=right.lines[-1].get_color()
+    )
 right.set(xlabel="2π/p, the size of the block [s]", ylabel="largest tilt / α", ylim=(0, 1.08))
 right.legend(title="marks on top: it falls")
 figure.tight_layout()

@@ -16,7 +16,9 @@ import xarray as xr
 from studies import fig16
 
 folder = Path(tempfile.mkdtemp())
-fig16.main(["--quick", "--methods", "method1", "method2", "--no-sensitivity", "--out", str(folder)])
+fig16.main(
+    ["--quick", "--methods", "method1", "method2", "--no-sensitivity", "--out", str(folder)]
+)
 ds = xr.load_dataset(folder / "fig16.nc")
 print(ds)
 

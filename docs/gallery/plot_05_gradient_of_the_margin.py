@@ -37,7 +37,9 @@ per_cent = {k: 0.01 * names[k] * float(slope.peak_rotation[k]) for k in names}
 checked = {}
 for k in names:
     step = 1e-4 * names[k]
-    up, down = (float(run(names | {k: names[k] + sign * step}).peak_rotation) for sign in (1, -1))
+    up, down = (
+        float(run(names | {k: names[k] + sign * step}).peak_rotation) for sign in (1, -1)
+    )
     checked[k] = 0.01 * names[k] * (up - down) / (2 * step)
 
 figure, ax = plt.subplots(figsize=(6.5, 3.6))

@@ -17,7 +17,12 @@ wall = dem.running_bond(courses=6, across=5)
 contact = dem.Contact(mu=0.6, damping_ratio=0.3)
 motion = SteadySinusoid(frequency=2.0, amplitude=9.0, duration=1.8)  # Hz, m/s^2, s
 run = dem.simulate_assembly(
-    wall, motion, t_end=1.8, contact=contact, save_every=500, criteria=dem.Criteria(stop="never")
+    wall,
+    motion,
+    t_end=1.8,
+    contact=contact,
+    save_every=500,
+    criteria=dem.Criteria(stop="never"),
 )
 print(run)
 
@@ -28,7 +33,9 @@ def outlines(run, k):
     for i, body in enumerate(run.assembly.bodies):
         c, s = np.cos(run.theta[k, i]), np.sin(run.theta[k, i])
         x, z = body.shape.corners.T
-        shapes.append(np.column_stack([run.x[k, i] + x * c + z * s, run.z[k, i] - x * s + z * c]))
+        shapes.append(
+            np.column_stack([run.x[k, i] + x * c + z * s, run.z[k, i] - x * s + z * c])
+        )
     return shapes
 
 
@@ -39,7 +46,9 @@ figure, axes = plt.subplots(2, 2, figsize=(8.5, 4.6), sharex=True, sharey=True)
 for ax, share in zip(axes.flat, (0.0, 0.7, 0.85, 1.0), strict=True):
     k = round(share * (run.time.size - 1))
     moved = np.hypot(run.x[k] - run.x[0], run.z[k] - run.z[0])
-    drawn = PolyCollection(outlines(run, k), array=1e3 * moved, cmap="YlOrRd", edgecolors="k", linewidths=0.6)
+    drawn = PolyCollection(
+        outlines(run, k), array=1e3 * moved, cmap="YlOrRd", edgecolors="k", linewidths=0.6
+    )
     drawn.set_clim(0.0, 100.0)
     ax.add_collection(drawn)
     ax.set(xlim=(-0.4, 1.4), ylim=(0.0, 0.7), aspect="equal", title=f"{run.time[k]:.2f} s")

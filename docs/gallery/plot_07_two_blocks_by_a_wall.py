@@ -27,7 +27,9 @@ runs = {
 }
 for name, run in runs.items():
     when = run.overturning_time
-    print(f"{name}: {run.overturned or 'nothing'} falls at {when:.2f} s, at {18.0 * when / 6.0:.1f} m/s²")
+    print(
+        f"{name}: {run.overturned or 'nothing'} falls at {when:.2f} s, at {18.0 * when / 6.0:.1f} m/s²"
+    )
 
 # %%
 # Moments of both. One frequency and a ramp of six seconds is no criterion: the figures of the paper are made with
@@ -48,7 +50,10 @@ def scene(ax, run, t):
     for wall in run.assembly.walls:
         ax.add_patch(Polygon(wall.vertices, facecolor="0.6"))
     blocks = range(len(run.assembly.bodies))
-    return [ax.add_patch(Polygon(outline(run, i, t), facecolor="#e8d5b0", edgecolor="k")) for i in blocks]
+    return [
+        ax.add_patch(Polygon(outline(run, i, t), facecolor="#e8d5b0", edgecolor="k"))
+        for i in blocks
+    ]
 
 
 figure, axes = plt.subplots(2, 5, figsize=(8.5, 4))
@@ -64,7 +69,9 @@ plt.show()
 # And as an animation.
 
 figure, axes = plt.subplots(1, 2, figsize=(6, 3.2))
-patches = {name: scene(ax, run, 0.0) for ax, (name, run) in zip(axes, runs.items(), strict=True)}
+patches = {
+    name: scene(ax, run, 0.0) for ax, (name, run) in zip(axes, runs.items(), strict=True)
+}
 clock = figure.suptitle("")
 
 

@@ -41,18 +41,29 @@ for i, lean in enumerate((0.20, -0.17, 0.23), start=1):
     t = np.arange(0.0, 2.0, 0.005)
     run = solve(truth, theta=lean, t_end=2.0, save_at=t, effects=[worn])
     rows = zip(t, run.theta + 2e-4 * random.standard_normal(t.size), strict=True)
-    (folder / f"free-{i}.csv").write_text("time,rotation\n" + "".join(f"{a:.3f},{b:.6f}\n" for a, b in rows))
-    tests.append(f'[[test]]\nid = "free-{i}"\nkind = "free"\ndata = "free-{i}.csv"\ninitial_rotation = {lean}\n')
-(folder / "campaign.toml").write_text(head + "\n".join(tests))
+    (folder / f"free-{i}.csv").write_text(
+        "time,rotation\n" + "".join(f"{a:.3f},{b:.6f}\n" for a, b in rows)
+    )
+    tests.append(
+        f'[[test]]\nid = "free-{i}"\nkind = "free"\ndata = "free-{i}.csv"\ninitial_rotation = {lean}\n'
+    )
+_ = (folder / "campaign.toml").write_text(head + "\n".join(tests))
 
 # %%
 # One command, here from Python:
 
 close_the_loop([str(folder), "--out", str(folder / "loop"), "--quiet"])
 finding = json.loads((folder / "loop" / "loop.json").read_text())
-print(finding["verdict"], finding["effects"], "cannot be told apart:", finding["indistinguishable"])
+print(
+    finding["verdict"],
+    finding["effects"],
+    "cannot be told apart:",
+    finding["indistinguishable"],
+)
 for name, value in finding["parameters"].items():
-    print(f"{name} = {value['value']:.4g} [{value['low']:.4g}, {value['high']:.4g}] {value['units']}")
+    print(
+        f"{name} = {value['value']:.4g} [{value['low']:.4g}, {value['high']:.4g}] {value['units']}"
+    )
 
 # %%
 # Free tests alone know the block only through its balance, its frequency parameter and its restitution, so worn
@@ -64,7 +75,13 @@ figure, (top, below) = plt.subplots(2, 1, figsize=(7, 5), sharex=True)
 top.plot(test.time, np.degrees(test.rotation), color="k", lw=0.8)
 top.set(ylabel="rotation [deg]", title="free-1: measured")
 for when, colour in (("before", "#c0392b"), ("after", "#1f5f99")):
-    below.plot(test.time, np.degrees(test[f"rotation_residual_{when}"]), color=colour, lw=0.9, label=when)
+    below.plot(
+        test.time,
+        np.degrees(test[f"rotation_residual_{when}"]),
+        color=colour,
+        lw=0.9,
+        label=when,
+    )
 below.set(xlabel="time [s]", ylabel="residual [deg]")
 below.legend()
 plt.show()

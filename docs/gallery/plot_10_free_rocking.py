@@ -26,9 +26,19 @@ for n in range(1, 9):
     t = free_impact_time(theta0, block.alpha, block.p(), linear.e, n)
     ax.plot(t, 0.0, "ko", ms=4)
 peaks = [free_peak(theta0, block.alpha, linear.e, n) / block.alpha for n in range(8)]
-ax.step([0.0, *runs["linear"].impact_times[:8]], [*peaks, peaks[-1]], where="post", color="0.6", lw=0.8)
-ax.set(xlabel="time [s]", ylabel="θ/α", title="dots and steps: Housner (1963), impacts and peaks")
+ax.step(
+    [0.0, *runs["linear"].impact_times[:8]],
+    [*peaks, peaks[-1]],
+    where="post",
+    color="0.6",
+    lw=0.8,
+)
+ax.set(
+    xlabel="time [s]", ylabel="θ/α", title="dots and steps: Housner (1963), impacts and peaks"
+)
 ax.legend()
-error = runs["linear"].impact_times[0] - free_impact_time(theta0, block.alpha, block.p(), linear.e, 1)
+error = runs["linear"].impact_times[0] - free_impact_time(
+    theta0, block.alpha, block.p(), linear.e, 1
+)
 print(f"first impact less the closed form: {error:.1e} s")
 plt.show()

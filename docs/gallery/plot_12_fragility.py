@@ -16,7 +16,9 @@ from rocking.fragility import fragility, run_records
 
 case = Method1(Block(b=0.45, h=1.50))
 source = ex.KanaiTajimi(rms=1.0, duration=15.0)
-records = [ex.scaled_to(source.record(time_step=0.01, seed=seed), pga=1.0) for seed in range(30)]
+records = [
+    ex.scaled_to(source.record(time_step=0.01, seed=seed), pga=1.0) for seed in range(30)
+]
 scales = np.linspace(2.0, 16.0, 12)  # m/s^2, as each record has a peak of one
 
 runs = run_records(
@@ -27,14 +29,24 @@ ds = fragility(runs, limits=[0.5])
 
 figure, ax = plt.subplots(figsize=(7, 4.2))
 x = np.geomspace(1.5, 17.0, 200)
-for limit, colour, name in ((0.5, "#1f5f99", "tilts by half of α"), (np.inf, "#c0392b", "falls")):
+for limit, colour, name in (
+    (0.5, "#1f5f99", "tilts by half of α"),
+    (np.inf, "#c0392b", "falls"),
+):
     one = ds.sel(limit=limit)
     error = [one.fraction - one.fraction_low, one.fraction_high - one.fraction]
     ax.errorbar(scales, one.fraction, error, fmt="o", ms=4, lw=0.8, color=colour)
     median, beta = float(one["median"]), float(one.beta)
     ax.plot(
-        x, norm.cdf(np.log(x / median) / beta), color=colour, label=f"{name}: median {median:.1f} m/s², β = {beta:.2f}"
+        x,
+        norm.cdf(np.log(x / median) / beta),
+        color=colour,
+        label=f"{name}: median {median:.1f} m/s², β = {beta:.2f}",
     )
-ax.set(xlabel="peak acceleration [m/s²]", ylabel="share of 30 records", title="Fragility with 95 % intervals")
+ax.set(
+    xlabel="peak acceleration [m/s²]",
+    ylabel="share of 30 records",
+    title="Fragility with 95 % intervals",
+)
 ax.legend()
 plt.show()

@@ -18,9 +18,18 @@ ends = {n: np.array([stable_range(w, e, n) for w in ratio]) for n in (1, 3)}
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.9))
 for n, colour in ((1, "#1f5f99"), (3, "#c0392b")):
     low, high = ends[n].T
-    left.fill_between(ratio, low, np.minimum(high, 40.0), color=colour, alpha=0.35, label=f"one swing in {n} period(s)")
+    left.fill_between(
+        ratio,
+        low,
+        np.minimum(high, 40.0),
+        color=colour,
+        alpha=0.35,
+        label=f"one swing in {n} period(s)",
+    )
 left.axhline(1.0, color="k", lw=0.8, ls="--")
-left.set(xlabel="ω/p", ylabel="amplitude / (gα)", ylim=(0, 15), title=f"stable orbits exist, e = {e}")
+left.set(
+    xlabel="ω/p", ylabel="amplitude / (gα)", ylim=(0, 15), title=f"stable orbits exist, e = {e}"
+)
 left.legend(fontsize=8)
 
 w = 4.0
@@ -32,6 +41,11 @@ for k in (0, 1):
     right.plot(amplitude, np.where(stable, peaks, np.nan), "-", color="#1f5f99")
     right.plot(amplitude, np.where(stable, np.nan, peaks), ":", color="0.4")
 right.axhline(1.0, color="k", lw=0.8, ls="--")
-right.set(xlabel="amplitude / (gα)", ylabel="peak tilt / α", title=f"ω/p = {w:g}; dotted: unstable", ylim=(0, 1.5))
+right.set(
+    xlabel="amplitude / (gα)",
+    ylabel="peak tilt / α",
+    title=f"ω/p = {w:g}; dotted: unstable",
+    ylim=(0, 1.5),
+)
 figure.tight_layout()
 plt.show()

@@ -24,13 +24,17 @@ up = accelerometer(run, position=(0.0, 0.45), direction=(0.0, 1.0)) + noise
 onset = detect_onset(run.t, up)
 fall = detect_overturning(run.t, up)
 print(f"starts to rock at {run.onset_time:.3f} s, found at {onset.time:.3f} s")
-print(f"passes its balance at {run.overturning_time:.3f} s, the fall is found at {fall.time:.3f} s")
+print(
+    f"passes its balance at {run.overturning_time:.3f} s, the fall is found at {fall.time:.3f} s"
+)
 
 figure, (ax, below) = plt.subplots(2, 1, figsize=(7.5, 4.8), sharex=True)
 ax.plot(run.t, up, lw=0.4, color="k")
 for found in (onset.time, fall.time):
     ax.axvline(found, color="#c0392b", lw=1)
-ax.set(ylabel="reads [m/s²]", title="vertical pickup; red: start and fall as found", ylim=(0, 20))
+ax.set(
+    ylabel="reads [m/s²]", title="vertical pickup; red: start and fall as found", ylim=(0, 20)
+)
 below.plot(run.t, run.theta / block.alpha, lw=0.6, color="#1f5f99")
 for true in (run.onset_time, run.overturning_time):
     below.axvline(true, color="#c0392b", lw=1)
