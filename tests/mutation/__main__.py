@@ -1,6 +1,7 @@
 """Break the physics at random places and see which tests notice.
 
     python tests/mutation --breaks 60 --seed 1 --out tests/mutation/results.csv     from the root of the project
+    python tests/mutation --breaks 60 --seed 1 --quick     first the likely tests alone; without --quick then the rest
     python tests/mutation --again --out tests/mutation/results.csv                  what survived, with today's tests
 
 Own script: mutmut and cosmic-ray walk through all breaks of a file and know nothing of caches of compiled code.
@@ -15,7 +16,9 @@ from __future__ import annotations
 import argparse
 import csv
 import random
+import signal
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -71,12 +74,16 @@ def write_rows(path: Path, rows: list[dict[str, str]]) -> None:
 class Judge:
     """Verdicts in one clone; a test that also fails without the break is an error of the tree, not a catch."""
 
-    def __init__(self, folder: Path, commit: str, stuck: float) -> None:
+    def __init__(self, folder: Path, commit: str, stuck: float, quick: bool = False) -> None:
         self.broken, self.sound = (Clone(ROOT, folder / name, commit) for name in ("broken", "sound"))
-        self.stuck, self.good = stuck, set[str]()
+        self.stuck, self.quick, self.good = stuck, quick, set[str]()
 
     def __call__(self, one: Break) -> Verdict:
-        verdict = self.broken.judge(one, groups(self.broken.tree, one.file), self.stuck)
+        tests = groups(self.broken.tree, one.file)
+        short = self.quick and len(tests) > 1
+        verdict = self.broken.judge(one, tests[:-1] if short else tests, self.stuck)
+        if short and verdict.outcome == "survived":
+            return Verdict("open", "", verdict.seconds)
         timeout = verdict.outcome == "timeout"
         if timeout or (verdict.outcome != "survived" and verdict.test not in self.good):
             if timeout:  # compiling from nothing is no reason to take long
@@ -88,31 +95,32 @@ class Judge:
         return verdict
 
 
-def first_run(out: Path, count: int, seed: int, folder: Path, stuck: float) -> None:
-    """Draw, judge and write, a row at a time."""
-    rows = read_rows(out)
-    mine = [row for row in rows if row["seed"] == str(seed)]
+def first_run(out: Path, count: int, seed: int, folder: Path, stuck: float, quick: bool) -> None:
+    """Draw, judge and write, a row at a time; rows that are open wait for a run that is not quick."""
+    mine = [row for row in read_rows(out) if row["seed"] == str(seed)]
     commit = mine[0]["commit"] if mine else _head()
-    judge = Judge(folder, commit, stuck)
+    judge = Judge(folder, commit, stuck, quick)
     chosen = drawn(judge.broken.tree, seed, count)
-    done = {int(row["number"]) for row in mine}
+    waits = {int(r["number"]) for r in mine if r["outcome"] == "open" and not r["explained"] and not quick}
+    done = {int(r["number"]) for r in mine} - waits
     for number, one in enumerate(tqdm(chosen, unit="break"), 1):
         if number in done:
             continue
         verdict = judge(one)
         facts = (one.file, one.line, one.function, one.kind, one.before, one.after)
         values = (number, seed, commit, *facts, verdict.outcome, verdict.test, verdict.seconds, "", "", "")
-        # Whoever explains a row meanwhile keeps what he wrote.
-        rows = [*read_rows(out), dict(zip(COLUMNS, map(str, values), strict=True))]
-        write_rows(out, rows)
-    _sum_up(rows)
+        # Whoever explains another row meanwhile keeps what he wrote.
+        others = [r for r in read_rows(out) if (r["seed"], r["number"]) != (str(seed), str(number))]
+        row = dict(zip(COLUMNS, map(str, values), strict=True))
+        write_rows(out, sorted([*others, row], key=lambda r: (int(r["seed"]), int(r["number"]))))
+    _sum_up(read_rows(out))
 
 
 def again(out: Path, folder: Path, stuck: float) -> None:
     """Make the breaks that survived and are not explained in today's tree, and see whether its tests notice."""
     judge = Judge(folder, _head(), stuck)
     here = {(b.file, b.kind, b.before, b.after): b for b in all_breaks(judge.broken.tree)}
-    waiting = [row for row in read_rows(out) if row["outcome"] == "survived" and not row["explained"]]
+    waiting = [row for row in read_rows(out) if row["outcome"] in ("survived", "open") and not row["explained"]]
     for row in tqdm([row for row in waiting if row["now"] != "caught"], unit="break"):
         one = here.get((row["file"], row["kind"], row["before"], row["after"]))
         verdict = Verdict("gone", "the line is no longer there", 0.0) if one is None else judge(one)
@@ -131,8 +139,8 @@ def _head() -> str:
 
 
 def _sum_up(rows: list[dict[str, str]]) -> None:
-    seen = sum(row["outcome"] != "survived" for row in rows)
-    same = sum(row["outcome"] == "survived" and bool(row["explained"]) for row in rows)
+    seen = sum(row["outcome"] not in ("survived", "open") for row in rows)
+    same = sum(row["outcome"] in ("survived", "open") and bool(row["explained"]) for row in rows)
     later = sum(row["now"] in ("caught", "crash", "timeout") for row in rows)
     share = f", {seen / (len(rows) - same):.1%} of those that change anything" if len(rows) > same else ""
     print(f"{len(rows)} breaks: {seen} caught{share}; {same} explained; {later} caught by tests added since")
@@ -145,6 +153,9 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1, help="of the draw (default: 1)")
     parser.add_argument("--out", type=Path, default=ROOT / "tests/mutation/results.csv", help="table to write or go on")
     parser.add_argument("--again", action="store_true", help="only what survived and is not explained, in today's tree")
+    parser.add_argument(
+        "--quick", action="store_true", help="only the tests that are likely to see it; others stay open"
+    )
     parser.add_argument("--list", action="store_true", help="show the draw of this seed in the tree as it is, and end")
     parser.add_argument("--folder", type=Path, help="for the clones (default: a new one, deleted at the end)")
     parser.add_argument("--stuck", type=float, default=300.0, metavar="S", help="a test that takes longer has seen it")
@@ -153,12 +164,13 @@ def main() -> None:
         for number, one in enumerate(drawn(ROOT, options.seed, options.breaks), 1):
             print(f"{number:3d} {one.file}:{one.line} {one.function} ({one.kind})\n    {one.before}\n    {one.after}")
         return
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that tests under way end too
     with tempfile.TemporaryDirectory(prefix="mutation_") as temporary:
         folder = options.folder or Path(temporary)
         if options.again:
             again(options.out, folder, options.stuck)
         else:
-            first_run(options.out, options.breaks, options.seed, folder, options.stuck)
+            first_run(options.out, options.breaks, options.seed, folder, options.stuck, options.quick)
 
 
 if __name__ == "__main__":
