@@ -168,7 +168,8 @@ class Assembly:
         """The scene drawn, for notebooks."""
         from dem.picture import html_of
 
-        return html_of(self)
+        bodies, walls = (((t.vertices, t.name) for t in things) for things in (self.bodies, self.walls))
+        return html_of(bodies, walls, self.floor, repr(self)[1:-1])
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "bodies", tuple(self.bodies))

@@ -7,12 +7,12 @@ samples inside are variables of their own (`horizontal_a_x` for those of the arg
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from excitation.motion import Motion
+from excitation.stated import values_in
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,13 +21,21 @@ SAMPLES = {"a_x": ("m s-2", "acceleration"), "a_z": ("m s-2", "acceleration"), "
 """Unit and quantity of the samples that a motion may hold."""
 
 
-def _described(motion: Motion, path: str, held: dict[str, tuple[str, NDArray[np.float64]]]) -> dict[str, Any] | None:
+@runtime_checkable
+class Made(Protocol):
+    """What is told of a motion: `excitation.motion.Motion` has it."""
+
+    @property
+    def arguments(self) -> dict[str, Any] | None: ...
+
+
+def _described(motion: Made, path: str, held: dict[str, tuple[str, NDArray[np.float64]]]) -> dict[str, Any] | None:
     """Class and arguments of a motion, its samples put into `held`; None if arguments do not make it."""
     arguments = motion.arguments
     if arguments is None:
         return None
     for name, value in arguments.items():
-        if isinstance(value, Motion):
+        if isinstance(value, Made):
             arguments[name] = _described(value, f"{path}{name}_", held)
             if arguments[name] is None:
                 return None
@@ -37,7 +45,7 @@ def _described(motion: Motion, path: str, held: dict[str, tuple[str, NDArray[np.
     return {"motion_class": type(motion).__name__, "motion_arguments": arguments}
 
 
-def with_recipe(ds: xr.Dataset, motion: Motion) -> xr.Dataset:
+def with_recipe(ds: xr.Dataset, motion: Made) -> xr.Dataset:
     """The dataset with what makes the motion again, if arguments do."""
     held: dict[str, tuple[str, NDArray[np.float64]]] = {}
     described = _described(motion, "", held)
@@ -55,7 +63,7 @@ def with_recipe(ds: xr.Dataset, motion: Motion) -> xr.Dataset:
     return ds.assign(variables).assign_attrs(described)
 
 
-def made_again(ds: xr.Dataset, classes: dict[str, Any]) -> Motion:
+def made_again(ds: xr.Dataset, classes: dict[str, Any]) -> Any:
     """The motion that the dataset's recipe makes.
 
     Raises ValueError if the recipe is not JSON, or is that of no motion here.
@@ -70,9 +78,7 @@ def made_again(ds: xr.Dataset, classes: dict[str, Any]) -> Motion:
         raise ValueError(f"motion_arguments={found!r}: want the arguments of {name} as JSON") from None
 
 
-def _made(name: str, arguments: dict[str, Any], ds: xr.Dataset, classes: dict[str, Any]) -> Motion:
-    from excitation.datasets import values_in
-
+def _made(name: str, arguments: dict[str, Any], ds: xr.Dataset, classes: dict[str, Any]) -> Any:
     given: dict[str, Any] = {}
     for key, value in arguments.items():
         if isinstance(value, dict) and "variable" in value:
@@ -81,5 +87,4 @@ def _made(name: str, arguments: dict[str, Any], ds: xr.Dataset, classes: dict[st
             given[key] = _made(value["motion_class"], value["motion_arguments"], ds, classes)
         else:
             given[key] = value
-    motion: Motion = classes[name](**given)
-    return motion
+    return classes[name](**given)

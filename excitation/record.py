@@ -162,7 +162,7 @@ class Record:
 
         Raises ValueError if one is missing, its unit is unknown or the times are not equally spaced.
         """
-        from excitation.datasets import stated_step, values_in
+        from excitation.stated import stated_step, values_in
 
         for name in ("time", "acceleration"):
             if name not in ds:
