@@ -40,6 +40,7 @@ math_number_all = False
 math_eqref_format = "({number})"
 numfig = True
 default_role = "code"
+smartquotes_action = "q"  # two hyphens are an option of a command
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"

@@ -12,7 +12,7 @@ from rocking.effects import available, load
 
 ENTRY = re.compile(
     r"^(Adds|Changes|Parameters|Use when|Limits|Source|Status"  # of effects
-    r"|Accuracy|Cases?|Scenes|Maps|Sweeps?|Runs?|Peers|Floor|Measure) +(?=\S)"  # of benchmarks
+    r"|Accuracy|Cases?|Scenes|Maps|Sweeps?|Runs?|Peers|Floor|Measure|Load) +(?=\S)"  # of benchmarks
 )
 
 

@@ -27,6 +27,12 @@ def _cell(text: str) -> str:
     return text.replace(" ", "\N{NO-BREAK SPACE}") if len(text) <= 20 else re.sub(r"(?<=[_+])", "\u200b", text)
 
 
+def _command(text: str) -> str:
+    """How a benchmark is run, and where its result goes."""
+    command, arrow, rest = text.partition(" -> ")
+    return f"`{command.strip()}`{arrow and ', which gives '}{literal(rest.strip())}"
+
+
 def _table(columns: list[str], rows: list[list[str]]) -> str:
     lines = [f"| {' | '.join(columns)} |", "|" + "---|" * len(columns)]
     return "\n".join(lines + [f"| {' | '.join(cell or ' ' for cell in row)} |" for row in rows])
@@ -66,7 +72,8 @@ def benchmark_text(path: Path) -> str:
     where = f"Python {same['python']} on {same['machine']}" if len(same) == 2 else "see the columns"
     table = _table([c.replace("_", " ") for c in columns], [[_cell(row[c]) for c in columns] for row in rows])
     note = f"*Result of {day_of(path)}, {where}; `benchmarks/results/{path.name}`.*"
-    about = [line for name, text in entries for line in (name, f": {literal(text)}", "")]
+    shown = {name: _command(text) if name == "Run" else literal(text) for name, text in entries}
+    about = [line for name, text in shown.items() for line in (name, f": {text}", "")]
     return "\n".join([literal(title), "", *about, note, "", _boxed(table, "measured")])
 
 

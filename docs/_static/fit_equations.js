@@ -5,10 +5,11 @@ function fitEquations() {
   for (const box of document.querySelectorAll("div.math")) {
     const equation = box.querySelector("mjx-container");
     if (!equation) continue;
-    equation.style.fontSize = "";
+    equation.dataset.size ??= equation.style.fontSize;  // MathJax's own
+    equation.style.fontSize = equation.dataset.size;
     const share = box.clientWidth / equation.scrollWidth;
     const natural = parseFloat(getComputedStyle(equation).fontSize);
-    if (share < 1) equation.style.fontSize = `${Math.max(0.98 * share, 0.55) * natural}px`;
+    if (share < 0.995) equation.style.fontSize = `${Math.max(0.98 * share, 0.55) * natural}px`;
   }
 }
 
