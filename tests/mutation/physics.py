@@ -15,9 +15,10 @@ FOLDERS = (
 )  # fmt: skip
 # Not physics: what describes, names, checks arguments, compiles, is plumbing of devices and folders, or draws.
 LEFT_OUT = {
-    "__init__.py", "__main__.py", "picture.py", "plot.py", "validation.py", "checks.py", "compiled.py", "compiling.py",
-    "namespace.py", "threads.py", "devices.py", "labelled.py", "datasets.py", "recipes.py", "binding.py",
-    "columns.py", "judge.py", "plans.py", "campaign.py", "outcomes.py", "parameters.py", "prediction.py", "truth.py",
+    "__init__.py", "__main__.py", "picture.py", "plot.py", "validation.py", "arguments.py", "checks.py", "compiled.py",
+    "compiling.py", "namespace.py", "threads.py", "devices.py", "labelled.py", "datasets.py", "recipes.py",
+    "binding.py", "columns.py", "judge.py", "plans.py", "campaign.py", "outcomes.py", "parameters.py", "prediction.py",
+    "truth.py",
 }  # fmt: skip
 STUDIES = (
     "overturning", "columns", "pickups", "free_vibration", "fig05_fit", "rocking_onset", "specimens", "slenderness",
@@ -33,8 +34,8 @@ METHOD1 = (
     "test_physics_under_jax", "test_properties", "test_solvers_agree",
 )  # fmt: skip
 TAYLOR = ("test_taylor", "test_exact_batch", "test_batch", "test_properties", "test_maps", "test_solvers_agree")
-EXACT = ("test_exact", "test_exact_batch", "test_solvers_agree", "test_properties")
-DIFFRAX = ("test_diffrax_events", "test_diffrax_derivatives", "test_solvers_agree")
+EXACT = ("test_exact", "test_exact_batch", "test_solvers_agree", "test_other_engines", "test_properties")
+DIFFRAX = ("test_diffrax_events", "test_diffrax_derivatives", "test_solvers_agree", "test_other_engines")
 NUMBA = (
     "test_method1_closed_forms", "test_trajectory", "test_method2_motion", "test_solvers_agree", "test_batch",
     "test_batch_with_effects",
@@ -126,6 +127,8 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("studies/specimens.py", ("test_specimens",)),
     ("studies/*.py", ("test_all_studies",)),
 )
+SOLVERS = {"diffrax", "exact", "numba", "taylor"}
+OF_ALL_SOLVERS = {"tests/rocking/test_solvers_agree.py", "tests/rocking/test_other_engines.py"}
 # Tests that say nothing about physics, or that look at the tree as a whole.
 NOT_RUN = {"test_all_files", "test_numba_cache", "test_cache", "test_import_is_light", "test_bad_campaigns"}
 
@@ -152,9 +155,13 @@ def groups(root: Path, file: str) -> list[list[str]]:
     first = first_tests(root, file)
     rest = sorted(str(path.relative_to(root)) for path in (root / "tests" / package).rglob("test_*.py"))
     if package != "studies":
+        own = Path(file).parent.name
+        agreed = [path for path in first if path in OF_ALL_SOLVERS and own in SOLVERS]
         named = [path for path in rest if stem in (root / path).read_text()]
         rest = [path for path in dict.fromkeys([*named, *rest]) if path not in first]
-        return [part for part in (first, _kept(rest)) if part]
+        # Of the tests of all solvers those of another one see nothing, and take long.
+        parts = [[p for p in first if p not in agreed], [*agreed, "-k", own] if agreed else [], _kept(rest)]
+        return [part for part in parts if part]
     # The loop, sweeps, animations and campaigns have no physics in these files, and of the quick studies only those
     # that use a file can see it.
     every = "tests/studies/test_all_studies.py"
