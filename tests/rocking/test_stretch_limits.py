@@ -8,7 +8,8 @@ import jax
 import jax.numpy as jnp
 import pytest
 
-from rocking.solvers.diffrax.loop import _physics
+from rocking.solvers.diffrax.loop import _next_length, _physics
+from rocking.solvers.diffrax.steps import ERROR_ORDER
 from rocking.solvers.recording import EDGE, inner_limits
 
 CASES = [(0.0, 1.0, 0.25), (3.0, 3.5, math.inf), (3600.0, 3600.25, 0.01), (-2.0, -1.0, 1e-3), (1.0, 1.0 + 1e-12, 5.0)]
@@ -34,3 +35,24 @@ def test_the_limits_of_diffrax_are_those_of_the_others(start: float, stop: float
         physics, end = _physics(model, inputs, 1)
         assert (float(physics.low), float(physics.high)) == inner_limits(start, stop, longest)
         assert float(end) == stop
+
+
+# Hairer, Norsett & Wanner (1993), sec. II.4: h times 0.9 size^(-1/order), by no more than 5 and no less than 0.2.
+@pytest.mark.parametrize(
+    ("tried", "size", "cut_short", "expected"),
+    [
+        (0.1, 0.5, False, 0.1 * 0.9 * 0.5 ** (-1.0 / ERROR_ORDER)),
+        (0.1, 1e-9, False, 0.5),
+        (0.1, 2.0, True, 0.1 * 0.9 * 2.0 ** (-1.0 / ERROR_ORDER)),  # refused, so the edge is not what shortened it
+        (0.1, 1e30, False, 0.02),
+        (0.1, math.inf, False, 0.02),
+        (1e-6, 1e-9, True, 0.3),  # an edge came after a microsecond: the length before it is kept
+        (0.2, 1e-9, True, 1.0),
+    ],
+)
+def test_a_step_cut_short_by_an_edge_does_not_shorten_the_next(
+    tried: float, size: float, cut_short: bool, expected: float
+) -> None:
+    with jax.enable_x64(True):
+        next_h = _next_length(jnp.asarray(0.3), jnp.asarray(tried), jnp.asarray(size), jnp.asarray(cut_short))
+    assert float(next_h) == pytest.approx(expected, rel=1e-12)
