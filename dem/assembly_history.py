@@ -44,6 +44,9 @@ class Fall:
     overturning_time: float
     time: float
 
+    def __repr__(self) -> str:
+        return f"<Fall of {self.name!r} (body {self.body}): overturned at {self.overturning_time:.6g} s>"
+
 
 @dataclass(frozen=True)
 class Separation:
@@ -53,6 +56,10 @@ class Separation:
     first: str
     second: str
     time: float
+
+    def __repr__(self) -> str:
+        when = f"open at {self.time:.6g} s" if self.time == self.time else "never open"
+        return f"<Separation of {self.first!r} and {self.second!r}: {when}>"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -30,6 +30,11 @@ class Swings(NamedTuple):
     passages: FloatArray
     peaks: FloatArray
 
+    def __repr__(self) -> str:
+        until = f" until {self.passages[-1]:.4g} s" if len(self.passages) else ""
+        largest = f", largest tilt {max(self.peaks):.4g} rad" if len(self.peaks) else ""
+        return f"<Swings: {len(self.passages)} passages{until}{largest}>"
+
 
 def let_go(
     scene: Scene, tilt: float, *, t_end: float, damping: float, kn: float = 1.98e7, ks: float = 1.98e7,

@@ -31,6 +31,12 @@ class Intensity(NamedTuple):
     cav: float  # cumulative absolute velocity [m/s]
     significant_duration: float  # 5-95 % of the Arias intensity [s]
 
+    def __repr__(self) -> str:
+        return (
+            f"<Intensity: PGA {self.pga:.4g} m/s^2, PGV {self.pgv:.4g} m/s, PGD {self.pgd:.4g} m, "
+            f"Arias {self.arias:.4g} m/s, CAV {self.cav:.4g} m/s, D5-95 {self.significant_duration:.4g} s>"
+        )
+
 
 def _growth(values: NDArray[np.float64], step: float) -> NDArray[np.float64]:
     """Running integral by the trapezium rule, 0 at first."""

@@ -28,6 +28,9 @@ class Match(NamedTuple):
     misfit: float  # largest |spectrum/target - 1| over the periods
     rounds: int
 
+    def __repr__(self) -> str:
+        return f"<Match: {self.record!r}, misfit {self.misfit:.3g} after {self.rounds} rounds>"
+
 
 def _changed(record: Record, frequencies: NDArray[np.float64], ratio: NDArray[np.float64]) -> Record:
     """The record with its Fourier amplitudes multiplied by a ratio given at ascending frequencies."""

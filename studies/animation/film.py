@@ -54,6 +54,10 @@ class Film:
     ending: str
     events: tuple[tuple[float, str], ...]
 
+    def __repr__(self) -> str:
+        span = f"{self.time[0]:.4g} to {self.time[-1]:.4g} s" if self.time.size else "no time"
+        return f"<Film {self.title!r}: {len(self.outlines)} bodies, {self.time.size} samples, {span}>"
+
     def corners(self, sample: int, body: int) -> FloatArray:
         """Corners of a body at a sample [m], shape (corner, 2)."""
         return placed(
@@ -143,17 +147,23 @@ def film_of(run: Run | str | Path, *, title: str | None = None) -> Film:
         )
     if not ds.sizes["time"]:
         raise ValueError("dataset without samples: want at least one")
-    motion = {name: np.atleast_2d(ds[name].values.T).T.astype(np.float64) for name in ("x", "z", "theta")}
+    time = _numbers(ds, "time")
+    if time.ndim != 1 or not np.all(np.isfinite(time)) or np.any(np.diff(time) < 0.0):
+        raise ValueError("time: want finite times that ascend [s]")
+    motion = {name: np.atleast_2d(_numbers(ds, name).T).T for name in ("x", "z", "theta")}
     for name, values in motion.items():
+        if values.shape != (time.size, motion["x"].shape[1]):
+            raise ValueError(f"{name} of shape {values.shape}: want {(time.size, motion['x'].shape[1])}, time and body")
         if not np.isfinite(values).all():
             sample, body = np.argwhere(~np.isfinite(values))[0]
             raise ValueError(f"{name} of body {body} is {values[sample, body]} at sample {sample}: want finite numbers")
     count = motion["x"].shape[1]
-    corners = np.column_stack([ds.outline_x.values, ds.outline_z.values]).astype(np.float64)
-    things = [corners[ds.outline_of.values == number] for number in range(int(ds.outline_of.max()) + 1)]
-    names = tuple(str(name) for name in ds.body.values) if "body" in ds.coords else ("block",)
+    things = _outlines(ds, count)
+    names = tuple(str(name) for name in np.atleast_1d(ds.body.values)) if "body" in ds.coords else ("block",)
+    if len(names) != count:
+        raise ValueError(f"body: {len(names)} names, want {count}, one for each body")
     return Film(
-        time=ds.time.values.astype(np.float64),
+        time=time,
         **motion,
         outlines=tuple(things[:count]),
         walls=tuple(things[count:]),
@@ -165,6 +175,28 @@ def film_of(run: Run | str | Path, *, title: str | None = None) -> Film:
         ending=_ending(ds.attrs),
         events=_events(ds, names),
     )
+
+
+def _numbers(ds: xr.Dataset, name: str) -> FloatArray:
+    """A variable as numbers; ValueError where it holds something else."""
+    if ds[name].dtype.kind not in "fiub":
+        raise ValueError(f"{name} of type {ds[name].dtype}: want numbers")
+    return np.asarray(ds[name].values, dtype=np.float64)
+
+
+def _outlines(ds: xr.Dataset, bodies: int) -> list[FloatArray]:
+    """Corners of each body and wall [m], each of shape (corner, 2)."""
+    corners = [_numbers(ds, name) for name in ("outline_x", "outline_z")]
+    owners = _numbers(ds, "outline_of")
+    if owners.ndim != 1 or any(values.shape != owners.shape for values in corners):
+        raise ValueError(f"outline_of of shape {owners.shape}: want one of outline_x and outline_z, (corner,)")
+    present = np.unique(owners)
+    # As many things as have corners: no number in a stranger's file makes a loop long.
+    if present.size < bodies or not np.array_equal(present, np.arange(present.size)):
+        raise ValueError(f"outline_of: want the numbers 0 to {bodies - 1} or more, each thing with its corners")
+    if not all(np.isfinite(values).all() for values in corners):
+        raise ValueError("outline_x, outline_z: want finite numbers [m]")
+    return [np.column_stack([values[owners == number] for values in corners]) for number in present]
 
 
 def _box(outlines: Sequence[FloatArray], floor: bool) -> tuple[float, float, float, float]:

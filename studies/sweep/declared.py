@@ -148,6 +148,10 @@ class Sweep:
         """Every value that a parameter takes in the sweep."""
         return tuple(self.axes[name]) if name in self.axes else (self.fixed[name],)
 
+    def __repr__(self) -> str:
+        axes = " x ".join(f"{len(values)} {name}" for name, values in self.axes.items())
+        return f"<Sweep {self.title!r}: {axes} = {self.size} points>"
+
     @cached_property
     def shape(self) -> tuple[int, ...]:
         """Lengths of the axes."""
