@@ -39,7 +39,7 @@ class Plan:
 
     gaps: tuple[float, ...] = (0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, FAR)
     frequencies: tuple[float, ...] = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0)
-    tiny: tuple[float, ...] = (0.0, -1e-6, 1e-6)
+    tiny: tuple[float, ...] = (-1e-6, 0.0, 1e-6)
     settings: ColumnSettings = field(default_factory=ColumnSettings)
 
 

@@ -1,10 +1,11 @@
-"""What the CF conventions ask of our files, as far as it applies to them.
+"""What the CF conventions ask of our files: by the checker of IOOS, and what that does not look at.
 
 Source   CF Metadata Conventions 1.11: sections 2.2 (types), 2.3 (names), 2.5.1 (missing data), 2.6 (attributes of the
          file), 3.1 (units), 3.5 (flags), 5 (coordinates)
 """
 
 import re
+import warnings
 
 import netCDF4
 import numpy as np
@@ -60,3 +61,32 @@ def _of_coordinate(variable, kept) -> list[str]:
         return [] if len(set(variable[:].tolist())) == variable.size else ["a name twice"]
     step = np.diff(np.asarray(variable[:], dtype=float))
     return [] if (step > 0).all() or (step < 0).all() else ["a coordinate that is not monotonic"]
+
+
+ALLOWED = {
+    # A time that has passed since the start, in s; the standard name is for dates, in units of "s since ...".
+    "Coordinate variable 'time' should have standard_name='time', found: 'None'",
+}
+"""What the checker asks for and does not apply."""
+
+CANNOT = {"check_coordinate_variables_strict_monotonicity"}
+"""Checks that fail by themselves on coordinates that are names; `_of_coordinate` looks at those."""
+
+
+def by_checker(path) -> list[str]:
+    """What the compliance checker of IOOS finds against CF 1.11, a sentence each."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        from compliance_checker.suite import CheckSuite
+
+        CheckSuite.load_all_available_checkers()
+        suite = CheckSuite()
+        with suite.load_dataset(str(path)) as file:
+            results, failed = suite.run_all(file, ["cf:1.11"], skip_checks=[])["cf:1.11"]
+    found = [f"{name}: {error}" for name, (error, *_) in failed.items() if name not in CANNOT]
+    for result in results:
+        reached, wanted = result.value if isinstance(result.value, tuple) else (bool(result.value), True)
+        if reached != wanted:
+            said = [text for text in result.msgs if text not in ALLOWED]
+            found += said or ([] if result.msgs else [result.name])
+    return found

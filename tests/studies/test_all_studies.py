@@ -13,10 +13,10 @@ import studies
 from studies.claims_bounds import CLAIMS
 from studies.registry import HERE, modules
 from studies.registry import studies as registered
-from studies.study import make
+from studies.study import make, parser_of
 
 sys.path.insert(0, str(Path(__file__).parent))
-from cf import problems
+from cf import by_checker, problems
 
 STUDIES = registered()
 SLOW = {"fig16"}  # has its own tests, from the command line
@@ -66,6 +66,21 @@ def test_quick_study_writes_files_that_keep_cf_and_pictures_with_captions(name, 
         with Image.open(path) as image:
             assert len(image.info["Description"]) > 60
             assert min(image.size) > 300
+
+
+@pytest.mark.parametrize("name", quick(STUDIES))
+def test_quick_study_passes_the_compliance_checker_of_ioos(name, made, folder):
+    pytest.importorskip("compliance_checker", reason="want compliance-checker, of the extra test")
+    made(name)
+    assert by_checker(folder / f"{name}.nc") == []
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_coordinates_of_the_full_study_ascend(name):
+    # CF 1.11, section 5: quick studies have one value of some of them, and would not tell.
+    plan = STUDIES[name].plan(parser_of(STUDIES[name]).parse_args([]))
+    axes = {axis: getattr(plan, axis) for axis in ("tiny", "frequencies", "gaps") if hasattr(plan, axis)}
+    assert {axis: values for axis, values in axes.items() if list(values) != sorted(set(values))} == {}
 
 
 @pytest.mark.parametrize("name", quick(STUDIES))

@@ -20,6 +20,9 @@ from studies.sweep import Sweep, run
 from studies.sweep.chunks import boxes, count_boxes
 from studies.sweep.evaluation import FELL, STANDS
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from cf import by_checker, problems
+
 RAMP = {"ramp": {"kind": "ramped_sinusoid", "duration": 10.0, "final_amplitude": 20.0}}
 DECLARED = """
 [axes]
@@ -60,6 +63,14 @@ def test_points_are_what_single_runs_give(tmp_path):
                 )
                 at = ds.sel({"method": method}).sel(frequency=frequency, slenderness=0.3)
                 assert float(at.overturning_amplitude) == pytest.approx(single.amplitude, rel=1e-9, nan_ok=True)
+
+
+def test_the_dataset_keeps_cf(tmp_path):
+    sweep = Sweep(axes={"method": ["method1", "method2"], "friction": [0.5, 0.6]}, excitations=RAMP)
+    run(sweep, tmp_path / "s.nc", progress=False).close()
+    assert problems(tmp_path / "s.nc") == []
+    pytest.importorskip("compliance_checker", reason="want compliance-checker, of the extra test")
+    assert by_checker(tmp_path / "s.nc") == []
 
 
 def test_a_pulse_fells_at_the_closed_form(tmp_path):
