@@ -73,6 +73,13 @@ sphinx_gallery_conf = {
     "show_signature": False,
 }
 
+# For `python -m sphinx -b linkcheck -D plot_gallery=0 docs build/links`, which needs a network.
+linkcheck_timeout = 20
+linkcheck_retries = 2
+linkcheck_workers = 4
+linkcheck_anchors = False
+linkcheck_ignore = [r"_images/.*"]  # of the pages themselves
+
 html_theme = "furo"
 html_title = f"rocking-blocks {version}"
 html_static_path = ["_static"]
