@@ -18,8 +18,9 @@ rocking-blocks {version}
   python -m studies                                      the figures of Winkler, Meguro & Yamazaki (1995), a list
   python -m studies.sweep FILE.toml --out FILE.nc        criteria over any axes, on cores or on a cluster
   python -m studies.campaigns FOLDER                     what a measured campaign holds
-  python -m studies.loop FOLDER --out DIR                what the ideal block lacks in it (under construction)
+  python -m studies.loop FOLDER --out DIR                what the ideal block lacks in it
 
+Installed, the first is also will-it-fall, and the others of studies rocking-studies COMMAND.
 Each says more with --help. In Python: from rocking import Block, Method1, Method2, solve
 """
 
