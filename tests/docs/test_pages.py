@@ -4,6 +4,7 @@ import ast
 import csv
 import importlib
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -75,3 +76,25 @@ def test_every_citation_is_in_the_bibliography():
     for page in PAGES:
         for keys in re.findall(r"\{cite:[tp]\}`([^`]+)`", page.read_text()):
             assert set(keys.replace(" ", "").split(",")) <= known, page.name
+
+
+def test_version_and_licence_are_the_same_wherever_they_stand():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    citation = dict(re.findall(r"^([a-z-]+): (.+)$", (ROOT / "CITATION.cff").read_text(), flags=re.MULTILINE))
+    assert (citation["version"], citation["license"]) == (project["version"], project["license"])
+    assert f"## {project['version']}" in (ROOT / "CHANGELOG.md").read_text()
+    assert project["license"] == "BSD-3-Clause" and (ROOT / "LICENSE").read_text().startswith("BSD 3-Clause")
+
+
+@pytest.mark.parametrize("package", ["rocking", "dem", "excitation", "studies"])
+def test_types_of_a_package_are_for_its_users_too(package):
+    # PEP 561: the marker lies in the package and is installed with it.
+    data = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"]
+    assert (ROOT / package / "py.typed").exists() and "py.typed" in data[package]
+
+
+def test_every_package_is_installed():
+    packages = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+    there = {".".join(p.parent.relative_to(ROOT).parts) for top in ("rocking", "dem", "excitation", "studies")
+             for p in (ROOT / top).rglob("__init__.py")}  # fmt: skip
+    assert set(packages) == there
