@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from rocking.form import Form
     from rocking.hybrid import System
     from rocking.method1 import Method1
+    from rocking.method2 import Method2
     from rocking.motion import BaseMotion
 
 WAYS = ("acceleration", "restitution", "form", "modes", "freedoms", "base_motion", "reading")
@@ -94,8 +95,11 @@ class Effect:
         """The form with the effect in it."""
         return form
 
-    def modes(self, method: Method1) -> System:
-        """The block under a method that has the effect's modes; an effect that acts on none is not asked."""
+    def modes(self, method: Method1 | Method2) -> System:
+        """The block under a method that has the effect's modes; an effect that acts on none is not asked.
+
+        method: Method 1, or the Method 2 that another effect on the modes has made of it.
+        """
         raise ValueError(f"{self.name}: it acts in the ways {sorted(self.ways())}, not on the modes")
 
     def freedoms(self, system: ComposedMethod1) -> System:

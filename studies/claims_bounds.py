@@ -211,6 +211,20 @@ _ALL = (
     ),
     # Beyond the paper: what it asks for, and checks of what is computed.
     Claim(
+        "loop_fig16.traced", "What Method 1 lacks at high amplitude is sliding (found by the loop)",
+        f"{SINGLE}, Fig. 16",
+        "whether sliding is what it names, alone or among at most three", ">=", 1.0, depends="noise of the records",
+    ),
+    Claim(
+        "loop_fig16.friction", "The loop measures the friction of the laboratory", "asked for beyond the paper",
+        "|friction found / friction - 1|", "<=", 0.05, depends="noise of the records",
+    ),
+    Claim(
+        "loop_fig16.closed", "Sliding is what separates Method 1 from Method 2 beyond 3 Hz", f"{SINGLE}, Fig. 16",
+        "mean |log(after / laboratory)| over mean |log(before / laboratory)| beyond 3 Hz", "<=", 0.25,
+        depends="scatter of criteria under tiny changes",
+    ),
+    Claim(
         "wall_gap.far", "A wall out of reach changes nothing", "asked for in Block assemblies",
         "largest |wall / free - 1| with the widest gap where the free column falls before its blocks part", "<=", 0.01,
         depends="none",

@@ -127,10 +127,12 @@ def compose(system: System, effects: Sequence[Effect]) -> System:
         raise ValueError(f"{acting[0].name}: the linear Method 1 does not carry it, want form='nonlinear'")
     leading = [e for e in acting if e.ways() & {"modes"}]
     if leading:
-        if len(acting) > 1:
-            other = next(e for e in acting if e is not leading[0])
+        other = next((e for e in acting if e not in leading), None)
+        if other is not None:
             raise ValueError(f"{other.name}: Method 2, which {leading[0].name} asks for, does not carry it")
-        return leading[0].modes(system)
+        for effect in leading:
+            system = effect.modes(system)  # type: ignore[arg-type]
+        return system
     return _composed(system, acting)
 
 

@@ -12,7 +12,7 @@ Status      tests of Method 2
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from rocking.effect import Effect
@@ -32,8 +32,18 @@ class Bouncing(Effect):
     units: ClassVar[dict[str, str]] = {"normal_restitution": "1", "friction": "1"}
     ranges: ClassVar[dict[str, tuple[float, float]]] = {"normal_restitution": (0.0, 1.0), "friction": (0.0, math.inf)}
 
-    def modes(self, method: Method1) -> System:
-        """The block under Method 2 with this restitution."""
+    def modes(self, method: Method1 | Method2) -> System:
+        """The block under Method 2 with this restitution.
+
+        Raises:
+            ValueError: Method 2 cannot have these numbers, or another effect has given a friction.
+        """
+        if isinstance(method, Method2):
+            if self.friction < math.inf:
+                raise ValueError(
+                    f"bouncing.friction={self.friction!r}: sliding.friction={method.friction!r} says it too"
+                )
+            return replace(method, normal_restitution=self.normal_restitution)
         law = {} if method.restitution is None else {"impact_law": "two_corner", "restitution": method.restitution}
         return Method2(
             method.block, friction=self.friction, normal_restitution=self.normal_restitution, g=method.g,

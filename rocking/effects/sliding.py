@@ -12,7 +12,7 @@ Status      tests of Method 2
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from rocking.effect import Effect
@@ -31,7 +31,17 @@ class Sliding(Effect):
     units: ClassVar[dict[str, str]] = {"friction": "1"}
     ranges: ClassVar[dict[str, tuple[float, float]]] = {"friction": (0.0, math.inf)}
 
-    def modes(self, method: Method1) -> System:
-        """The block under Method 2 with this friction."""
+    def modes(self, method: Method1 | Method2) -> System:
+        """The block under Method 2 with this friction.
+
+        Raises:
+            ValueError: Method 2 cannot have these numbers, or another effect has given a friction.
+        """
+        if isinstance(method, Method2):
+            if method.friction < math.inf:
+                raise ValueError(
+                    f"sliding.friction={self.friction!r}: bouncing.friction={method.friction!r} says it too"
+                )
+            return replace(method, friction=self.friction)
         law = {} if method.restitution is None else {"impact_law": "two_corner", "restitution": method.restitution}
         return Method2(method.block, friction=self.friction, g=method.g, rest_speed=method.rest_speed, **law)  # type: ignore[arg-type]

@@ -30,6 +30,8 @@ class Candidate:
     smooth: bool = True  # whether it has a derivative at its absent value: a score says something
     in_swings: bool = True  # whether swings show it; else whole records alone do
     extra: bool = False  # a form that is tried only where nothing simpler explains the data
+    least_restitution: float = 0.0  # [1] that it goes together with
+    slips: bool = False  # whether a window begins with a slip that no rotation shows and that is carried over to it
 
     @property
     def nothing(self) -> dict[str, float]:
@@ -92,6 +94,7 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
     # A corner pressed in by a thousandth and by a ten-thousandth of the breadth under the weight.
     soft = [weight / (0.002 * block.breadth), weight / (0.0002 * block.breadth)]
     spring = weight * block.R
+    housner = _block(block).housner_restitution * (1.0 + 1e-12)
     tethers = tuple(
         Candidate(
             f"tether[{label}]", "tether",
@@ -120,12 +123,14 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
         *tethers,
         Candidate(
             "sliding", "sliding", (Parameter("sliding.friction", 0.02, 0.02, 1.3),),
-            tuple({"sliding.friction": mu} for mu in (0.25, 0.4, 0.6)), {}, smooth=False,
+            tuple({"sliding.friction": 0.1 * k} for k in range(2, 11)), {}, smooth=False, least_restitution=housner,
+            slips=True,
         ),
         Candidate(
             "bouncing", "bouncing", (Parameter("bouncing.normal_restitution", 0.05, 0.0, 0.95),),
             tuple({"bouncing.normal_restitution": e} for e in (0.2, 0.5)), {"bouncing.friction": math.inf},
-            smooth=False,
+            smooth=False, least_restitution=housner,
+            slips=True,
         ),
         _one(
             "base_adhesion", "moment", 0.02 * moment, [0.024 * k * moment for k in range(1, 26)], 0.0,

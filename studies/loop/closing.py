@@ -213,7 +213,7 @@ def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[R
 
 def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Trial, Verdict]:
     """The trial to keep: the named effects if they leave nothing, else with what was learned of the rest."""
-    structured = _over_noise(named.swing) > _structure(setup)
+    structured = _over_noise(named) > _structure(setup)
     if not structured and len(named.parts) < 2:
         return named, "effect" if named.parts else "none"
     tell("learning what no effect explains")
@@ -222,7 +222,7 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
     best = min(routes, key=lambda t: bic(t.swing))
     learned = any(part.effect == LEARNED for part in best.parts)
     if not learned or bic(best.swing) > bic(named.swing) - (PAYS if structured else 0.0):
-        if _over_noise(named.swing) > _unexplained(setup):
+        if _over_noise(named) > _unexplained(setup):
             return named, "unexplained"
         return named, "effect" if named.parts else "none"
     if bic(routes[0].swing) < bic(best.swing) + PAYS:
@@ -239,8 +239,15 @@ def _declared(campaign: Campaign, g: float) -> LoopModel:
     return replace(model, restitution=min(max(housner, 0.05), 1.0))
 
 
-def _over_noise(swing: Fit) -> float:
-    """Rms of the swings over what is left of pure noise once each window has fitted its two states."""
+def _over_noise(trial: Trial) -> float:
+    """Rms of the swings over what is left of pure noise once each window has fitted its two states.
+
+    Where a block slips, some windows begin with a slip that could not be carried over to them as it was: of those
+    trials it is the median over the windows, so that structure has to be in half of them to be seen.
+    """
+    swing = trial.swing
+    if any(part.slips for part in trial.parts):
+        return math.sqrt(float(np.median([r @ r / max(r.size - 2, 1) for r in swing.residuals])))
     free = 2 * len(swing.windows) + len(swing.parameters)
     return swing.rms / math.sqrt(max(1.0 - free / max(swing.samples, 1), 0.1))
 

@@ -25,6 +25,9 @@ from studies.campaigns.errors import shown
 from studies.loop.model import LoopModel
 from studies.toml_file import read_toml
 
+TABLES = ("title", "block", "model", "effects", "mountings", "outcomes")
+MODEL_KEYS = ("restitution", "gravity", "restitution_drift", "number")
+
 
 class ModelError(ValueError):
     """A model file that cannot be used; the message names file and entry."""
@@ -58,7 +61,9 @@ def read_model(path: Path) -> LoopModel:
         content = read_toml(path)
     except ValueError as error:
         raise ModelError(f"{error}; want a model.toml that the loop wrote") from None
+    _known(path, "file", content, TABLES)
     block, model = _table(path, content, "block"), _table(path, content, "model")
+    _known(path, "model", model, MODEL_KEYS)
     sizes = {key: _number(path, f"block.{key}", value) for key, value in block.items()}
     try:
         declared = DeclaredBlock(**sizes)
@@ -82,6 +87,12 @@ def read_model(path: Path) -> LoopModel:
     except (TypeError, ValueError, ZeroDivisionError, OverflowError) as error:
         raise ModelError(f"{path}: {error}") from None
     return found
+
+
+def _known(path: Path, name: str, table: dict[str, Any], keys: tuple[str, ...]) -> None:
+    strange = [key for key in table if key not in keys]
+    if strange:
+        raise ModelError(f"{path}: {name} has no {shown(strange[0])}, want {', '.join(keys)}")
 
 
 def _table(path: Path, content: dict[str, Any], name: str) -> dict[str, Any]:

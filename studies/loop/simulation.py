@@ -8,13 +8,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from excitation import SampledMotion
-from rocking.hybrid import Base
+from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, TRANSLATION_JUMP, Base
 from rocking.motion import BaseMotion, base_at, pitch_kernel
 from rocking.solvers.numba.windows import Start, run_windows
 from studies.campaigns import Test
@@ -45,6 +45,14 @@ class PaddedMotion:
         return f"PaddedMotion({self.label!r})"
 
 
+class Peak(NamedTuple):
+    """A peak of a record: time [s], rotation [rad] and angular velocity [rad/s]."""
+
+    time: float
+    theta: float
+    omega: float
+
+
 @dataclass(frozen=True)
 class Job:
     """One run: which model on which test, over which times, from which rotation and speed."""
@@ -55,6 +63,7 @@ class Job:
     start: float  # [s]
     theta: float = 0.0  # true rotation at the start [rad]
     omega: float = 0.0  # [rad/s]
+    history: tuple[Peak, ...] = ()  # peaks before the start, which say how fast the block slips there
 
 
 @dataclass(frozen=True)
@@ -131,6 +140,32 @@ class Simulator:
             ValueError: a model's effects do not go together or are out of range.
         """
         models, jobs = self._by_test(models, jobs)
+        return self._run(models, jobs, self._carried(models, jobs))
+
+    def _carried(self, models: Sequence[LoopModel], jobs: Sequence[Job]) -> list[dict[str, float]]:
+        """What a rotation does not show of the state at the start of each job: slip and height of the corner.
+
+        A block that slips forgets how fast it did: it is run from peak to peak of the record, each time from the
+        rotation that was measured there, and what the run says of the rest is carried over.
+        """
+        slips = [hasattr(model.system, "friction") for model in models]
+        keys = [(job.model, job.test, job.history, job.start) for job in jobs]
+        asked = dict.fromkeys(key for key in keys if slips[key[0]] and key[2])
+        known: dict[Any, dict[str, float]] = {key: {} for key in asked}
+        for depth in range(max((len(key[2]) for key in asked), default=0)):
+            now = [key for key in asked if len(key[2]) > depth]
+            runs = []
+            for model, test, history, start in now:
+                stop = history[depth + 1].time if depth + 1 < len(history) else start
+                peak = history[depth]
+                runs.append(Job(model, test, np.array([stop]), peak.time, peak.theta, peak.omega))
+            for key, answer in zip(now, self._run(models, runs, [known[key] for key in now]), strict=True):
+                known[key] = _beside_rotation(models[key[0]].system, answer)
+        return [known.get(key, {}) for key in keys]
+
+    def _run(
+        self, models: Sequence[LoopModel], jobs: Sequence[Job], carried: Sequence[dict[str, float]]
+    ) -> list[Answer]:
         systems = [model.system for model in models]
         groups: dict[Any, list[int]] = {}
         motions = [self._base(models[job.model], job.test) for job in jobs]
@@ -142,7 +177,7 @@ class Simulator:
             groups.setdefault(key, []).append(i)
         answers: list[Answer | None] = [None] * len(jobs)
         for members in groups.values():
-            for i, answer in zip(members, self._run_group(systems, motions, jobs, members), strict=True):
+            for i, answer in zip(members, self._run_group(systems, motions, jobs, carried, members), strict=True):
                 answers[i] = answer
         return answers  # type: ignore[return-value]
 
@@ -162,7 +197,9 @@ class Simulator:
         return every, out
 
     @staticmethod
-    def _run_group(systems: Any, motions: Any, jobs: Sequence[Job], members: list[int]) -> list[Answer]:
+    def _run_group(
+        systems: Any, motions: Any, jobs: Sequence[Job], carried: Sequence[dict[str, float]], members: list[int]
+    ) -> list[Answer]:
         own_systems = list(dict.fromkeys(jobs[i].model for i in members))
         own_motions: dict[int, tuple[int, Any]] = {}
         places = {model: k for k, model in enumerate(own_systems)}
@@ -170,7 +207,7 @@ class Simulator:
         for i in members:
             job = jobs[i]
             place = own_motions.setdefault(id(motions[i]), (len(own_motions), motions[i]))[0]
-            y, q = systems[job.model].initial_state(job.theta, job.omega)
+            y, q = systems[job.model].initial_state(job.theta, job.omega, **carried[i])
             starts.append(Start(places[job.model], place, job.start, float(job.times[-1]), y, q))
         first = systems[own_systems[0]]
         found = run_windows(
@@ -189,6 +226,19 @@ class Simulator:
             when = jobs[i].start if fell and math.isnan(when) else when
             answers.append(Answer(theta, y, found.mode[part], found.s[part], fell, bool(found.failed[k]), when))
         return answers
+
+
+def _beside_rotation(system: Any, answer: Answer) -> dict[str, float]:
+    """Slip and height of the carrying corner at the end of a run; nothing where it sticks to the floor."""
+    mode = int(answer.mode[-1])
+    if answer.fell or answer.failed or mode in (REST, ROTATION):
+        return {}
+    state = dict(zip(system.state_names, map(float, answer.y[-1]), strict=True))
+    if not all(math.isfinite(value) for value in state.values()):
+        return {}
+    if mode in (TRANSLATION_JUMP, ROTATION_JUMP):
+        return {"u": state["u"], "z": max(state["z"], 1e-9), "v": state["v"]}
+    return {"u": state["u"]}
 
 
 def _last_side(theta: Array) -> float:

@@ -12,12 +12,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from studies.loop.candidates import Candidate, candidates
-from studies.loop.fitting import HUBER, Fit, Parameter, fit, gains, objectives
+from studies.loop.fitting import HUBER, Fit, Parameter, fit, gains, objectives, residuals
 from studies.loop.model import GRAVITY, MOUNTING, RESTITUTION, LoopModel
 from studies.loop.simulation import Simulator
 from studies.loop.windows import Window
@@ -76,7 +76,13 @@ class Trial:
 
     def with_(self, part: Candidate, swing: Fit, score: float = math.nan) -> Trial:
         """The trial with one more effect, fitted."""
-        return Trial((*self.names, part.name), (*self.parts, part), swing, score, self.calibrated)
+        return Trial((*self.names, part.name), (*self.parts, part), swing, score, self.calibrated_with(part))
+
+    def calibrated_with(self, part: Candidate) -> tuple[Parameter, ...]:
+        """What is calibrated once an effect is there: restitution within what it goes together with."""
+        return tuple(
+            replace(p, low=max(p.low, part.least_restitution)) if p.name == RESTITUTION else p for p in self.calibrated
+        )
 
 
 @dataclass
@@ -176,14 +182,16 @@ def _begun(simulator: Simulator, onto: Trial, candidate: Candidate) -> Fit | str
     """The best of the fits from all starts after a few steps, on all windows, or why there is none."""
     every = max(1, len(onto.swing.windows) // SOME)
     some = onto.swing.windows[::every]
-    parameters = [*onto.every, *candidate.parameters]
+    parameters = [*onto.calibrated_with(candidate), *onto.parameters, *candidate.parameters]
     best: Fit | None = None
     reason = "no start led anywhere"
     nothing = _nothing(onto, candidate)
+    least = {RESTITUTION: max(onto.swing.model.restitution, candidate.least_restitution)}
     for start in (*candidate.starts, *([nothing] if candidate.smooth else [])):
         try:
-            model = onto.swing.model.changed({**candidate.fixed, **start})
-            found = fit(simulator, model, parameters, some, iterations=3)
+            model = onto.swing.model.changed({**least, **candidate.fixed, **start})
+            windows = some if candidate.smooth else _afresh(simulator, model, some)
+            found = fit(simulator, model, parameters, windows, iterations=3)
         except ValueError as refusal:
             reason = str(refusal)
             continue
@@ -193,7 +201,20 @@ def _begun(simulator: Simulator, onto: Trial, candidate: Candidate) -> Fit | str
         return reason
     before = float(objectives(onto.swing.residuals[::every], some, HUBER).sum())
     promising = best.chi2 < before - NOTHING * PAYS
-    return fit(simulator, best.model, parameters, onto.swing.windows, iterations=4 if promising else 1)
+    whole = onto.swing.windows
+    if not candidate.smooth:
+        whole = tuple(_afresh(simulator, best.model, whole))
+    return fit(simulator, best.model, parameters, whole, iterations=4 if promising else 1)
+
+
+def _afresh(simulator: Simulator, model: LoopModel, windows: Sequence[Window]) -> list[Window]:
+    """The windows, each from the state that the record shows where the model fits better from there.
+
+    A model that lacks an effect bends the states to what it can do; they are then no place to try the effect from.
+    """
+    seen = [w if w.seen is None else w.moved(w.seen.theta, w.seen.omega) for w in windows]
+    fitted, plain = (objectives(residuals(simulator, model, each), each, HUBER) for each in (windows, seen))
+    return [s if b < a else w for w, s, a, b in zip(windows, seen, fitted, plain, strict=True)]
 
 
 def _ended(

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ from studies.campaigns import Channel, Test
 from studies.campaigns.clipping import before_overturning, clipped
 from studies.campaigns.smoothing import state
 from studies.campaigns.swings import Segmentation, segment
+from studies.loop.simulation import Peak
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -31,6 +33,9 @@ SIDE = Channel("side", "rotation")
 """Not a sensor: that the true rotation passes zero where accelerometers show the side to change."""
 
 ANY_SIDE = 9
+
+HISTORY = 6
+"""Peaks before a window over which slip is carried: it is forgotten once the corner sticks."""
 
 RELEASE_SD = 2e-3
 """How far from what was aimed at a lean by hand may be [rad], one standard deviation."""
@@ -76,6 +81,8 @@ class Window:
     theta_prior: float = 0.0  # what the prior is about
     sd: Array | None = None  # standard deviation of each datum, where it is more than the noise
     sides: NDArray[np.int64] | None = None  # at the times; accelerometers are compared where the model is on this side
+    history: tuple[Peak, ...] = ()  # the peaks right before the start, from which slip is carried over
+    seen: Peak | None = None  # the state at the start as the record alone shows it
 
     @property
     def weights(self) -> Array:
@@ -103,7 +110,7 @@ class Window:
         )  # fmt: skip
 
 
-def cut(record: Record, number: int, start: float, stop: float, **state: float) -> Window:
+def cut(record: Record, number: int, start: float, stop: float, **state: Any) -> Window:
     """The part of a record from `start` to `stop` [s] as a window.
 
     Args:
@@ -191,9 +198,9 @@ def scored_window(records: Sequence[Record], window: Window) -> Window:
     )  # fmt: skip
 
 
-def _anchors(record: Record) -> list[list[tuple[float, float, float]]]:
+def _anchors(record: Record) -> list[list[Peak]]:
     """Rows of (time, rotation, velocity) at consecutive peaks with nothing unseen between them."""
-    rows: list[list[tuple[float, float, float]]] = [[]]
+    rows: list[list[Peak]] = [[]]
     ending = {impact.swing for impact in record.found.impacts}
     for k, swing in enumerate(record.found.swings):
         low, high = record.found.bounds(k)
@@ -207,15 +214,18 @@ def _anchors(record: Record) -> list[list[tuple[float, float, float]]]:
             continue
         found = state(record.time, record.rotation, swing.peak_time, record.noise, low=low, high=high)
         if found is not None:
-            rows[-1].append((swing.peak_time, found.rotation, 0.0 if at_start else found.velocity))
-    return [row for row in rows if len(row) > 1]
+            rows[-1].append(Peak(swing.peak_time, found.rotation, 0.0 if at_start else found.velocity))
+    return rows
 
 
 def swing_windows(records: Sequence[Record], swings: int = 1) -> list[Window]:
     """Windows from one peak to the one `swings` further on; the state at the start is free."""
     windows = []
     for number, record in enumerate(records):
-        for row in _anchors(record):
+        rows = _anchors(record)
+        peaks = [peak for row in rows for peak in row]
+        for row in (row for row in rows if len(row) > 1):
+            first = peaks.index(row[0])
             for k in range(0, len(row) - 1, swings):
                 start, theta, omega = row[k]
                 stop = row[min(k + swings, len(row) - 1)][0]
@@ -223,7 +233,8 @@ def swing_windows(records: Sequence[Record], swings: int = 1) -> list[Window]:
                     record, number, start, stop, theta=theta, omega=omega, theta_sd=math.inf, omega_sd=math.inf
                 )
                 if window.times.size >= 8:
-                    windows.append(window)
+                    before = tuple(peaks[max(first + k - HISTORY, 0) : first + k])
+                    windows.append(replace(window, history=before, seen=row[k]))
     return windows
 
 

@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from cf import by_checker, problems
 
 STUDIES = registered()
-SLOW = {"fig16"}  # has its own tests, from the command line
+SLOW = {"fig16", "loop_fig16"}  # the first has its own tests, from the command line; the second closes a loop
 
 
 @pytest.fixture(scope="session")

@@ -126,7 +126,7 @@ def test_method_2_does_not_carry_a_base_that_pitches(shaken: Any) -> None:
         ),
         (
             ("bouncing.friction=0.5", "sliding.friction=0.5"),
-            "sliding: Method 2, which bouncing asks for, does not carry",
+            r"sliding.friction=0.5: bouncing.friction=0.5 says it too",
         ),
     ],
 )

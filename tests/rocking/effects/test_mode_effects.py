@@ -38,6 +38,15 @@ def test_bouncing_is_method_2_with_that_normal_restitution() -> None:
     assert Mode.ROTATION_JUMP in run.events.mode_after
 
 
+@pytest.mark.parametrize("restitution", [None, 0.97])
+def test_sliding_and_bouncing_go_together_in_either_order(restitution: float | None) -> None:
+    law: Any = {} if restitution is None else {"impact_law": "two_corner", "restitution": restitution}
+    other = Method2(BLOCK, friction=0.5, normal_restitution=0.3, **law)
+    texts = ["sliding.friction=0.5", "bouncing.normal_restitution=0.3"]
+    for given in (texts, texts[::-1]):
+        same(given, Method1(BLOCK, restitution=restitution), other, theta=0.2)
+
+
 def test_gravity_rest_speed_and_restitution_go_along() -> None:
     method = Method1(BLOCK, restitution=0.97, g=9.6, rest_speed=1e-4)
     law: Any = {"impact_law": "two_corner", "restitution": 0.97, "g": 9.6, "rest_speed": 1e-4}

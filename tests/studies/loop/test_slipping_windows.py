@@ -1,0 +1,82 @@
+"""Windows that begin while the block slips: its slip is carried over from the swings before, and friction is measured.
+
+The record is made with the package's SciPy solver and noise; the fits run on the compiled one.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from excitation import RampedSinusoid
+from rocking import Block, Method2, Mode, solve
+from studies.campaigns import Channel, DeclaredBlock, Test
+from studies.loop.candidates import candidates
+from studies.loop.fitting import Parameter, fit
+from studies.loop.model import LoopModel
+from studies.loop.observing import jobs_of
+from studies.loop.simulation import Simulator
+from studies.loop.tracing import baseline, pays, search
+from studies.loop.windows import record_of, swing_windows
+
+BLOCK = Block(0.15, 0.5, 0.25)
+DECLARED = DeclaredBlock(0.15, 0.5, 0.25, BLOCK.mass)
+FRICTION, NOISE, E = 0.7, 3e-4, BLOCK.housner_restitution * (1.0 + 1e-12)
+MU = Parameter("sliding.friction", 0.02, 0.02, 1.3)
+
+
+@pytest.fixture(scope="module")
+def tests() -> list[Test]:
+    """A ramp to 3.3 g at 4 Hz, at the end of which the block slips nearly all the time."""
+    rng = np.random.default_rng(5)
+    motion, t = RampedSinusoid(4.0, 12.0, 32.0), np.arange(3000) * 0.004
+    run = solve(Method2(BLOCK, friction=FRICTION, g=9.81), motion, t_end=float(t[-1]), save_at=t, solver="scipy")
+    assert run.mode_durations(float(t[-1]))[Mode.SLIDE_ROTATION] > 2.0
+    channels = (Channel("base_x", "base_acceleration_x", 0.002), Channel("rotation", "rotation", NOISE))
+    data = {
+        "base_x": motion(t)[0] + 0.002 * rng.standard_normal(t.size),
+        "rotation": run.theta + NOISE * rng.standard_normal(t.size),
+        "truth": run.y[:, 3],
+    }
+    return [Test("ramp", "forced", t, channels, data)]
+
+
+@pytest.fixture(scope="module")
+def windows(tests: list[Test]) -> list[Any]:
+    record = record_of(tests[0], 0, NOISE, DECLARED.alpha)
+    assert record is not None
+    return swing_windows([record])
+
+
+def model(friction: float) -> LoopModel:
+    return LoopModel(DECLARED, E, {"sliding": {"friction": friction}}, 9.81)
+
+
+def test_slip_at_the_start_of_a_window_is_that_of_the_block(tests: list[Test], windows: list[Any]) -> None:
+    carried = Simulator(tests)._carried([model(FRICTION)], jobs_of(windows, 0))
+    found = np.array([state.get("u", 0.0) for state in carried])
+    true = np.array([tests[0].data["truth"][round(w.start / 0.004)] for w in windows])
+    assert np.sum(np.abs(true) > 0.1) > 10
+    # Slip falls by mu g, 7 m/s^2, and a start is off a sample by up to 2 ms: 14 mm/s, and what noise of the peaks adds.
+    assert np.quantile(np.abs(found - true), 0.8) < 0.03
+
+
+def test_friction_is_measured_where_half_of_the_windows_slip(tests: list[Test], windows: list[Any]) -> None:
+    found = fit(Simulator(tests), model(0.68), [MU], windows)
+    assert found.model.get("sliding.friction") == pytest.approx(FRICTION, rel=0.01)
+    # A fit that sees only noise: its median window is at the noise, two states fitted to each.
+    left = [r @ r / (r.size - 2) for r in found.residuals]
+    assert np.median(left) == pytest.approx(1.0, abs=0.15)
+
+
+@pytest.mark.slow
+def test_sliding_is_traced_among_its_rivals(tests: list[Test], windows: list[Any]) -> None:
+    simulator = Simulator(tests)
+    plain = baseline(simulator, LoopModel(DECLARED, E, {}, 9.81), windows)
+    pool = [c for c in candidates(DECLARED) if c.effect in ("sliding", "bouncing", "rounded_edges", "viscous_damping")]
+    best = search(simulator, plain, pool).best
+    assert best is not None and pays(plain.swing, best.swing)
+    assert best.effects == ("sliding",)
+    assert best.swing.model.get("sliding.friction") == pytest.approx(FRICTION, rel=0.02)
