@@ -135,6 +135,8 @@ def bodies_of(
     Raises ValueError as `body`, with the number of the body.
     """
     made = []
+    if not isinstance(outlines, Iterable):
+        raise ValueError(f"outlines={outlines!r}: want the corners of each body [m]")
     for number, vertices in enumerate(outlines):
         try:
             made.append(body(vertices, depth, density, material=material, name=names[number] if names else ""))

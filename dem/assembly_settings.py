@@ -1,6 +1,7 @@
 """How contacts of an assembly are judged, and what ends a run of it.
 
-Source  Winkler, Meguro & Yamazaki (1995), "contact updating"; the defaults and their influence: see the tests
+Source  Winkler, Meguro & Yamazaki (1995), "contact updating"; `python -m studies.contact_judgement`
+        measures what each parameter changes (criteria of overturning, drops, cost)
 Status  plain numbers, checked when they are given
 """
 
@@ -34,10 +35,10 @@ class ContactJudgement:
     def __post_init__(self) -> None:
         if self.skin is not None:
             checks.positive("skin", self.skin, "m")
-        checks.not_negative("update_after", self.update_after or 0.0, "m")
+        checks.not_negative("update_after", 0.0 if self.update_after is None else self.update_after, "m")
         checks.not_negative("reach", self.reach, "m")
         checks.not_negative("end_slack", self.end_slack, "m")
-        if not 0.0 < self.facing <= 0.15:
+        if not 0.0 < checks.real(self.facing) <= 0.15:
             raise ValueError(f"facing={self.facing} rad: want an angle above 0, at most 0.15")
 
 
@@ -64,5 +65,6 @@ class Criteria:
         if self.stop not in ("fall", "all", "never"):
             raise ValueError(f"stop={self.stop!r}: want 'fall', 'all' or 'never'")
         for name, unit in (("tilt", "rad"), ("drop", "m"), ("gap", "m"), ("rotation", "rad"), ("margin", "m")):
-            if (value := getattr(self, name)) is not None:
+            value = getattr(self, name)
+            if value is not None or name not in ("drop", "margin"):
                 checks.positive(name, value, unit)

@@ -7,11 +7,17 @@ Status  a second process hits the cache, an edit anywhere in the package replace
 from __future__ import annotations
 
 import hashlib
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numba
+
+NOT_KEPT = (
+    "compiled code is not kept, and compiled again in every process: neither the package's folder nor one of the user "
+    "can be written to; set NUMBA_CACHE_DIR to a folder that can"
+)
 
 # Functions that a loop calls. They make no arrays, so numba need not count references to those they are given, which
 # would take longer than their work; and division by zero gives what NumPy gives.
@@ -25,10 +31,22 @@ def compiled(function: Callable[..., Any], **options: Any) -> Any:
     """The function compiled, its machine code kept on disk under a name that changes with any source here."""
     name, module = function.__name__, function.__module__.rpartition(".")[2]
     function.__qualname__ = f"{name}_{_digest()}"
-    kernel = numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)
+    kernel = _kept_if_possible(function, options)
     if hasattr(kernel, "stats"):  # not where numba's compiler is switched off
         _drop_stale(Path(str(kernel.stats.cache_path)), f"{module}.{name}_", function.__qualname__)
     return kernel
+
+
+def _kept_if_possible(function: Callable[..., Any], options: dict[str, Any]) -> Any:
+    """The compiled function, kept on disk; for this process alone, which a warning says, where no folder can be had."""
+    given: dict[str, Any] = {"nogil": True, "error_model": "numpy", **options}
+    try:
+        return numba.njit(cache=True, **given)(function)
+    except RuntimeError as error:
+        if "no locator available" not in str(error):
+            raise
+    warnings.warn(NOT_KEPT, RuntimeWarning, stacklevel=2)
+    return numba.njit(**given)(function)
 
 
 def _digest() -> str:

@@ -126,7 +126,9 @@ def stiffness_from_wave_speed(mass: float, speed: float, spacing: float) -> floa
     """
     for name, value, unit in (("mass", mass, "kg"), ("speed", speed, "m/s"), ("spacing", spacing, "m")):
         checks.positive(name, value, unit)
-    return mass * speed**2 / spacing**2
+    per_spacing = speed / spacing
+    checks.positive("speed/spacing", per_spacing * per_spacing, "1/s^2, squared")
+    return mass * per_spacing * per_spacing
 
 
 def wave_speed_from_stiffness(mass: float, stiffness: float, spacing: float) -> float:

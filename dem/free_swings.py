@@ -47,7 +47,12 @@ def let_go(
     dt: step [s]; None: a twentieth of the critical one; interval: between samples, about [s]; g: gravity [m/s^2]
     Raises ValueError for a bad argument, as `dem.simulate`.
     """
+    checks.kind("scene", scene, Scene, "a Scene, as single_block(b, h, d, density) makes it")
     checks.positive("interval", interval, "s")
+    checks.finite("tilt", tilt, "rad")
+    checks.positive("t_end", t_end, "s")
+    if dt is not None:
+        checks.positive("dt", dt, "s")
     step = 0.05 * critical_step(scene, kn, ks, damping) if dt is None else dt
     corners = scene.shape.corners
     turned = corners[:, 0] * math.cos(tilt) + corners[:, 1] * math.sin(tilt)
@@ -55,7 +60,7 @@ def let_go(
     return simulate(
         scene, t_end=t_end, mu=FRICTION, damping=damping, dt=step, kn=kn, ks=ks, g=g, theta0=tilt,
         x0=float(corners[carries, 0] - turned[carries]),
-        save_every=max(1, round(interval / step)),
+        save_every=max(1, round(min(interval, t_end) / step)),
     )  # fmt: skip
 
 

@@ -37,8 +37,7 @@ class Contact:
     def __post_init__(self) -> None:
         checks.positive("kn", self.kn, "N/m")
         checks.positive("ks", self.ks, "N/m")
-        if not self.mu >= 0.0:
-            raise ValueError(f"mu={self.mu}: want a friction coefficient from 0 to math.inf")
+        checks.friction("mu", self.mu)
         if (self.damping is None) == (self.damping_ratio is None):
             raise ValueError(f"damping={self.damping}, damping_ratio={self.damping_ratio}: want exactly one of the two")
         checks.not_negative("damping", self.damping or 0.0, "N s/m")
@@ -102,6 +101,7 @@ def contact_table(contacts: Contacts, movable: Sequence[str], fixed: Sequence[st
 def _between(contacts: Contacts, first: str, second: str) -> Contact:
     if isinstance(contacts, Contact):
         return contacts
+    checks.kind("contact", contacts, Mapping, "a Contact, or a mapping of pairs of materials to Contacts")
     found = {contacts[pair] for pair in ((first, second), (second, first)) if pair in contacts}
     if len(found) != 1:
         raise ValueError(

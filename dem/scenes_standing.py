@@ -19,6 +19,10 @@ from dem.shapes import FloatArray
 JOINT = 1e-3  # gap between neighbours in a course of masonry [m]: dry joints are never quite closed
 
 
+MOST_BODIES = 1_000_000
+"""Of a scene made here."""
+
+
 def single(b: float, h: float, d: float, density: float) -> Assembly:
     """One block on the floor: breadth b, height h, depth d [m], density [kg/m^3]. Raises ValueError unless positive."""
     return Assembly((block(b, h, d, density, name="block"),), title="single block")
@@ -34,6 +38,8 @@ def column(
     Raises ValueError unless count is at least 1 and the sizes are positive.
     """
     _at_least("count", count, 1)
+    for label, value in (("b", b), ("h", h)):
+        checks.positive(label, value, "m")
     names = (
         _named(count, "block", "lower", "upper") if count == 2 else _named(count, "block", "lower", "upper", "middle")
     )
@@ -102,7 +108,14 @@ def running_bond(
     """
     _at_least("courses", courses, 1)
     _at_least("across", across, 1)
+    for name, value in (("b", b), ("h", h), ("d", d)):
+        checks.positive(name, value, "m")
+    checks.positive("density", density, "kg/m^3")
     checks.not_negative("joint", joint, "m")
+    if joint >= 0.5 * b:
+        raise ValueError(f"joint={joint} m: want less than half of the breadth b={b} m")
+    if courses * across > MOST_BODIES:
+        raise ValueError(f"courses={courses}, across={across}: want at most {MOST_BODIES} blocks")
     outlines, names = [], []
     for i in range(courses):
         ends = [0.0, *(np.arange(across - (i % 2 == 0)) + (1.0 if i % 2 == 0 else 0.5)), float(across)]
@@ -129,9 +142,9 @@ def arch(
     """
     _at_least("voussoirs", voussoirs, 2)
     checks.positive("radius", radius, "m")
-    if not 0.0 < thickness < 2.0 * radius:
+    if not 0.0 < checks.real(thickness) < 2.0 * radius:
         raise ValueError(f"thickness={thickness} m: want more than 0 and less than twice the radius, {2.0 * radius} m")
-    if not 0.0 < embrace <= math.pi:
+    if not 0.0 < checks.real(embrace) <= math.pi:
         raise ValueError(f"embrace={embrace} rad: want an angle above 0, at most pi")
     angles = 0.5 * embrace * (1.0 - 2.0 * np.arange(voussoirs + 1) / voussoirs)
     inner, outer = radius - 0.5 * thickness, radius + 0.5 * thickness
@@ -170,7 +183,7 @@ def drum_column(
     _at_least("drums", drums, 1)
     for name, value in (("diameter", diameter), ("h", h)):
         checks.positive(name, value, "m")
-    if not 0.0 < taper <= 1.0:
+    if not 0.0 < checks.real(taper) <= 1.0:
         raise ValueError(f"taper={taper}: want more than 0, at most 1")
     made = []
     for i in range(drums):
@@ -191,6 +204,7 @@ def rubble(count: int, *, size: float = 0.2, density: float = 2400.0, seed: int 
     """
     _at_least("count", count, 1)
     checks.positive("size", size, "m")
+    checks.whole("seed", seed, 0, 2**63 - 1)
     random = np.random.default_rng(seed)
     stones, z = [], 0.0
     for i in range(count):
@@ -220,8 +234,7 @@ def _spread(count: int, step: float) -> FloatArray:
 
 
 def _at_least(name: str, value: int, least: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-        raise ValueError(f"{name}={value!r}: want a whole number, at least {least}")
+    checks.whole(name, value, least, MOST_BODIES)
 
 
 __all__ = ["Wall", "arch", "bookshelf", "column", "drum_column", "rubble", "running_bond", "single"]

@@ -16,6 +16,9 @@ from dem import checks
 
 FloatArray = npt.NDArray[np.float64]
 
+LARGEST = 1e9
+"""[m], of a coordinate: far from where fourth powers of lengths overflow."""
+
 FLAT = 1e-9  # corners this close in height, as a share of the size, count as one flat base
 
 
@@ -103,11 +106,13 @@ def _measured(corners: FloatArray, area: float, theta_c: tuple[float, float]) ->
 
 
 def _checked(vertices: npt.ArrayLike) -> FloatArray:
-    points = np.array(vertices, dtype=np.float64)
+    points = checks.numbers("vertices", vertices)
     if points.ndim != 2 or points.shape[0] < 3 or points.shape[1] != 2:
         raise ValueError(f"vertices of shape {points.shape}: want (corner, 2) with at least 3 corners")
     if not np.isfinite(points).all():
         raise ValueError(f"vertices={points.tolist()}: want finite coordinates [m]")
+    if np.abs(points).max() > LARGEST:
+        raise ValueError(f"vertices={points.tolist()}: want coordinates up to {LARGEST:g} m")
     return points
 
 

@@ -21,6 +21,7 @@ from dem.stability import critical_step
 from dem.table_motion import Motion, accelerations
 
 CHUNK = 50_000  # steps between looks at the base motion and calls of `progress`
+MOST_STEPS = 1e12  # months of computing
 SAMPLES = 2000  # about as many are kept unless the caller says otherwise
 HEADROOM = 10.0  # a run this many times faster than its forces can make it has blown up
 
@@ -81,13 +82,13 @@ def simulate(
     Raises ValueError for a bad argument, for a motion of wrong shape or not finite, and for dt at or above the
     body's critical step (`dem.critical_step`).
     """
+    checks.kind("scene", scene, Scene, "a Scene, as single_block(b, h, d, density) makes it")
     mass = scene.mass
     for name, value, unit in (("t_end", t_end, "s"), ("dt", dt, "s"), ("kn", kn, "N/m"), ("ks", ks, "N/m")):
         checks.positive(name, value, unit)
     checks.positive("g", g, "m/s^2")
     c = _dashpot(damping, damping_ratio, 2.0 * math.sqrt(kn * mass))
-    if not mu >= 0.0:
-        raise ValueError(f"mu={mu}: want a friction coefficient from 0 to math.inf")
+    checks.friction("mu", mu)
     if onset not in ("overlap", "incremental"):
         raise ValueError(f"onset={onset!r}: want 'overlap' or 'incremental'")
     if coulomb not in ("total", "spring"):
@@ -96,11 +97,12 @@ def simulate(
     limit = critical_step(scene, kn, ks, c)
     if dt >= limit:
         raise ValueError(f"dt={dt} s: want a step below {limit:.6g} s, where this body becomes unstable")
+    if t_end / dt > MOST_STEPS:
+        raise ValueError(f"t_end={t_end} s, dt={dt} s: want at most {MOST_STEPS:g} steps")
     last_step = max(1, math.ceil(t_end / dt * (1.0 - 1e-12)))
     if save_every is None:
         save_every = max(1, last_step // SAMPLES)
-    if isinstance(save_every, bool) or not isinstance(save_every, (int, np.integer)) or save_every < 1:
-        raise ValueError(f"save_every={save_every!r}: want a whole number of steps, at least 1")
+    save_every = checks.whole("save_every", save_every, 1)
     start = _Start(x0, _initial_height(scene, theta0, gap0, kn, g), theta0, vx0, vz0, omega0)
     settings: dict[str, float | str] = {
         "dt": dt, "t_end": t_end, "kn": kn, "ks": ks, "damping": c, "damping_ratio": c / (2.0 * math.sqrt(kn * mass)),
@@ -224,7 +226,7 @@ def _check_start(x0: float, theta0: float, vx0: float, vz0: float, omega0: float
     checks.finite("vx0", vx0, "m/s")
     checks.finite("vz0", vz0, "m/s")
     checks.finite("omega0", omega0, "rad/s")
-    if not abs(theta0) < 0.5 * math.pi:
+    if not abs(checks.real(theta0)) < 0.5 * math.pi:
         raise ValueError(f"theta0={theta0} rad: want a tilt between -pi/2 and pi/2")
 
 

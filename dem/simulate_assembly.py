@@ -7,7 +7,7 @@ Status  see the package head
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict
 
 import numpy as np
@@ -18,6 +18,7 @@ from dem.assembly_history import AssemblyHistory
 from dem.assembly_settings import ContactJudgement, Criteria
 from dem.assembly_stability import assembly_critical_step
 from dem.materials import Contact, Contacts
+from dem.simulate import MOST_STEPS
 from dem.table_motion import Motion
 
 SAFE_SHARE = 0.25  # default step, as a share of the critical one
@@ -70,15 +71,20 @@ def simulate_assembly(
     Raises ValueError for a bad argument, for a motion of wrong shape or not finite, for dt at or above the critical
     step, and where a standing assembly does not come to rest under gravity alone.
     """
+    checks.kind("assembly", assembly, Assembly, "an Assembly, as column(3, b, h, d, density) makes it")
     judgement, criteria = judgement or ContactJudgement(), criteria or Criteria()
     checks.positive("t_end", t_end, "s")
     checks.not_negative("g", g, "m/s^2")
+    if checks.numbers("pitch_about", pitch_about).shape != (2,):
+        raise ValueError(f"pitch_about={pitch_about!r} m: want two numbers, x and z")
     for name, value in zip(("pitch_about x", "pitch_about z"), pitch_about, strict=True):
         checks.finite(name, value, "m")
     _one_of("onset", onset, ("located", "overlap", "incremental"))
     _one_of("coulomb", coulomb, ("total", "spring"))
     limit = assembly_critical_step(assembly, contact)
     dt = _step(dt, limit, t_end)
+    if t_end / dt > MOST_STEPS:
+        raise ValueError(f"t_end={t_end} s, dt={dt} s: want at most {MOST_STEPS:g} steps")
     last_step = max(1, math.ceil(t_end / dt * (1.0 - 1e-12)))
     save_every = max(1, last_step // SAMPLES) if save_every is None else _whole("save_every", save_every)
     watch_every = max(1, round(1e-3 / dt)) if watch_every is None else _whole("watch_every", watch_every)
@@ -116,9 +122,7 @@ def _one_of(name: str, value: str, choices: Sequence[str]) -> None:
 
 
 def _whole(name: str, value: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
-        raise ValueError(f"{name}={value!r}: want a whole number, at least 1")
-    return int(value)
+    return checks.whole(name, value, 1, 4096 if name == "workers" else 2**62)
 
 
 def _kept(assembly: Assembly, keep: Sequence[int | str] | None) -> tuple[int, ...]:
@@ -126,13 +130,15 @@ def _kept(assembly: Assembly, keep: Sequence[int | str] | None) -> tuple[int, ..
     if keep is None:
         return tuple(range(len(assembly.bodies)))
     numbers = []
+    if isinstance(keep, str) or not isinstance(keep, Iterable):
+        raise ValueError(f"keep={keep!r}: want a list of numbers or names of bodies")
     for item in keep:
         if isinstance(item, str) and item in assembly.names:
             numbers.append(assembly.names.index(item))
-        elif not isinstance(item, str) and 0 <= item < len(assembly.bodies):
+        elif isinstance(item, (int, np.integer)) and 0 <= item < len(assembly.bodies):
             numbers.append(int(item))
         else:
-            raise ValueError(f"keep: {item!r}: want the number or name of one of the {len(assembly.bodies)} bodies")
+            raise ValueError(f"keep={item!r}: want the number or name of one of the {len(assembly.bodies)} bodies")
     return tuple(numbers)
 
 

@@ -42,6 +42,7 @@ def critical_step(scene: Scene, kn: float, ks: float, damping: float) -> float:
     outline pressed deep) would lower it; such a run then ends as unstable.
     Raises ValueError unless the stiffnesses are positive, the damping not negative, all finite.
     """
+    checks.kind("scene", scene, Scene, "a Scene, as single_block(b, h, d, density) makes it")
     checks.positive("kn", kn, "N/m")
     checks.positive("ks", ks, "N/m")
     checks.not_negative("damping", damping, "N s/m")

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from excitation.checks import whole
 from excitation.record import Record
 
 METHODS = ("acceleration", "velocity")
@@ -29,8 +30,7 @@ def baseline_corrected(record: Record, order: int = 1, method: str = "velocity")
     Raises:
         ValueError: the order or method is none of these, or the record has too few samples for the fit.
     """
-    if not 0 <= order <= MAX_ORDER:
-        raise ValueError(f"order={order!r}: want 0 to {MAX_ORDER}")
+    order = whole("order", order, 0, MAX_ORDER)
     if method not in METHODS:
         raise ValueError(f"method={method!r}: want one of {', '.join(METHODS)}")
     if record.acceleration.size < order + 3:

@@ -14,8 +14,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from excitation.checks import not_negative
+from excitation.checks import not_negative, real, whole
 from excitation.record import Record
+
+MOST_PAD = 100_000_000
+"""Samples of the zeros before and after: 800 MB."""
 
 
 def band_passed(
@@ -44,19 +47,20 @@ def band_passed(
 
     nyquist = 0.5 / record.time_step
     for name, corner in (("low", low), ("high", high)):
-        if corner is not None and not 0.0 < corner < nyquist:
+        if corner is not None and not 0.0 < real(corner) < nyquist:
             raise ValueError(f"{name}={corner!r} Hz: want above 0 and below half the sampling rate, {nyquist:g} Hz")
     if low is None and high is None:
         raise ValueError("low=None, high=None: want one corner frequency or both")
     if low is not None and high is not None and low >= high:
         raise ValueError(f"low={low!r} Hz: want below high={high!r} Hz")
-    if not 1 <= order <= 12:
-        raise ValueError(f"order={order!r}: want 1 to 12")
+    order = whole("order", order, 1, 12)
     kind = "bandpass" if low is not None and high is not None else ("highpass" if high is None else "lowpass")
     corners = [c for c in (low, high) if c is not None]
     sections = butter(order, corners if len(corners) > 1 else corners[0], kind, fs=1.0 / record.time_step, output="sos")
     # Two passes have 2 n poles; each pad is 1.5 n/f_c long for them, and at least ten samples.
     pad = max(10, int(np.ceil(1.5 * 2 * order / corners[0] / record.time_step)))
+    if pad > MOST_PAD:
+        raise ValueError(f"low={low!r}, high={high!r} Hz: take pads of {pad} samples, want at most {MOST_PAD}")
     tapered = record.acceleration * end_taper(record, taper)
     padded = np.concatenate([np.zeros(pad), tapered, np.zeros(pad)])
     filtered = sosfiltfilt(sections, padded, padtype=None)
@@ -67,16 +71,16 @@ def band_passed(
     return record.with_samples(kept, note=note + (" kept" if keep_padding else " removed"))
 
 
-def end_taper(record: Record, length: float) -> np.ndarray:
+def end_taper(record: Record, length: float, name: str = "taper") -> np.ndarray:
     """Factors that rise in the first and fall in the last `length` [s] by half a cosine wave, shape (time,)."""
     from scipy.signal.windows import tukey
 
-    not_negative("taper", length, "s")
+    not_negative(name, length, "s")
     if length > 0.5 * record.duration:
-        raise ValueError(f"taper={length!r} s: want at most half of the record, {0.5 * record.duration:g} s")
+        raise ValueError(f"{name}={length!r} s: want at most half of the record, {0.5 * record.duration:g} s")
     return np.asarray(tukey(record.acceleration.size, 2.0 * length / record.duration))
 
 
 def tapered(record: Record, length: float) -> Record:
     """The record with both ends brought to zero over `length` [s] by half a cosine wave; ValueError if too long."""
-    return record.with_samples(record.acceleration * end_taper(record, length), note=f"taper of {length:g} s")
+    return record.with_samples(record.acceleration * end_taper(record, length, "length"), note=f"taper of {length:g} s")

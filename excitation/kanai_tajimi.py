@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from excitation.checks import not_negative, positive
+from excitation.checks import not_negative, positive, real
 from excitation.record import Record
 
 
@@ -57,7 +57,7 @@ class KanaiTajimi:
             positive(name, getattr(self, name), unit)
         not_negative("rise", self.rise, "s")
         not_negative("decay", self.decay, "1/s")
-        if not (math.isfinite(self.strong_end) and self.strong_end >= self.rise):
+        if not (math.isfinite(real(self.strong_end)) and self.strong_end >= self.rise):
             raise ValueError(f"strong_end={self.strong_end!r} s: want not before rise={self.rise!r} s")
 
     def shape(self, frequency: ArrayLike) -> NDArray[np.float64]:

@@ -66,6 +66,8 @@ class ProportionalPitch(Motion):
     per_acceleration: float = 0.0
 
     def __post_init__(self) -> None:
+        if not isinstance(self.motion, Motion):
+            raise ValueError(f"motion={self.motion!r}: want a motion of this package")
         finite("per_displacement", self.per_displacement, "rad/m")
         finite("per_acceleration", self.per_acceleration, "rad/(m/s^2)")
         if self.per_displacement == self.per_acceleration == 0.0:

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from excitation.checks import finite, not_zero, positive
+from excitation.checks import finite, not_zero, positive, real
 from excitation.motion import Motion
 
 
@@ -73,7 +73,7 @@ class MavroeidisPapageorgiouPulse(Motion):
     def __post_init__(self) -> None:
         not_zero("velocity", self.velocity, "m/s")
         positive("frequency", self.frequency, "Hz")
-        if not (math.isfinite(self.gamma) and self.gamma > 1.0):
+        if not (math.isfinite(real(self.gamma)) and self.gamma > 1.0):
             raise ValueError(f"gamma={self.gamma!r}: want a number above 1")
         finite("nu", self.nu, "rad")
         if self.centre is not None:

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from excitation.checks import not_negative
+from excitation.checks import finite, not_negative, positive, real
 from excitation.envelopes import MAX_IMPERFECTION, departure, falling
 from excitation.motion import Motion
 
@@ -76,17 +76,14 @@ class RampedSinusoid(Motion):
 
     def __post_init__(self) -> None:
         for name, unit in (("frequency", "Hz"), ("duration", "s"), ("final_amplitude", "m/s^2")):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name}={value!r} {unit}: want a positive number")
-        if not math.isfinite(self.phase):
-            raise ValueError(f"phase={self.phase!r} rad: want a finite number")
-        if not 0.0 <= self.imperfection <= MAX_IMPERFECTION:
+            positive(name, getattr(self, name), unit)
+        finite("phase", self.phase, "rad")
+        if not 0.0 <= real(self.imperfection) <= MAX_IMPERFECTION:
             raise ValueError(f"imperfection={self.imperfection!r}: want 0 to {MAX_IMPERFECTION}")
         not_negative("hold", self.hold, "s")
         not_negative("taper", self.taper, "s")
         period = self.imperfection_period
-        if period is not None and not 0.0 < period <= self.duration:
+        if period is not None and not 0.0 < real(period) <= self.duration:
             raise ValueError(f"imperfection_period={period!r} s: want above 0 and at most the duration")
 
     @cached_property

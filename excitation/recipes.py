@@ -73,9 +73,10 @@ def made_again(ds: xr.Dataset, classes: dict[str, Any]) -> Any:
         raise ValueError(f"motion_class={name!r}: want one of {', '.join(sorted(classes))}")
     try:
         return _made(name, json.loads(ds.attrs["motion_arguments"]), ds, classes)
-    except (KeyError, TypeError, AttributeError, json.JSONDecodeError):
-        found = ds.attrs.get("motion_arguments")
-        raise ValueError(f"motion_arguments={found!r}: want the arguments of {name} as JSON") from None
+    except (KeyError, TypeError, AttributeError, RecursionError, json.JSONDecodeError):
+        found = repr(ds.attrs.get("motion_arguments"))
+        found = found if len(found) <= 80 else f"{found[:77]}..."
+        raise ValueError(f"motion_arguments={found}: want the arguments of {name} as JSON") from None
 
 
 def _made(name: str, arguments: dict[str, Any], ds: xr.Dataset, classes: dict[str, Any]) -> Any:

@@ -14,7 +14,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from excitation.checks import positive
+from excitation.checks import finite, positive
 from excitation.record import Record
 
 MAX_RATIO = 10000
@@ -78,6 +78,8 @@ def similar(record: Record, length_scale: float) -> Record:
 
 def trimmed(record: Record, start: float, end: float) -> Record:
     """The samples from `start` to `end` [s] after the first one; ValueError unless two or more lie there."""
+    finite("start", start, "s")
+    finite("end", end, "s")
     first = math.ceil(start / record.time_step - 1e-9)
     last = math.floor(end / record.time_step + 1e-9)
     if not (0 <= first < last < record.acceleration.size):

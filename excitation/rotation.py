@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from excitation.checks import between, finite
+from excitation.checks import between, finite, numbers, whole
 from excitation.record import Record, same_sampling
 from excitation.spectra import check_periods, oscillator, refined
 
@@ -118,9 +118,9 @@ def rotd_peaks(
 
 def check_percentiles(percentiles: Sequence[float], angles: int) -> NDArray[np.float64]:
     """The percentiles as an array; ValueError unless 0 to 100 and of two directions or more."""
-    nn = np.asarray(percentiles, dtype=np.float64)
+    nn = numbers("percentiles", percentiles)
     if nn.ndim != 1 or nn.size == 0 or not np.all((nn >= 0.0) & (nn <= 100.0)):
         raise ValueError(f"percentiles={percentiles!r}: want numbers from 0 to 100")
-    if angles < 2:
-        raise ValueError(f"angles={angles!r}: want 2 or more")
+    whole("angles", angles, 2)
+    between("angles", angles, 2.0, 1e6, "directions")
     return nn

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from excitation.checks import between
+from excitation.checks import between, numbers
 from excitation.record import Record
 
 POINTS_PER_PERIOD = 40
@@ -26,6 +26,9 @@ POINTS_PER_PERIOD = 40
 
 MAX_REFINEMENT = 64
 """Most times per sample; beyond it the oscillator is so stiff that u follows -a/w^2 from sample to sample."""
+
+SHORTEST, LONGEST = 1e-9, 1e9
+"""[s], of natural periods: far beyond those of anything that is built, and far from where squares overflow."""
 
 STANDARD_PERIODS = np.round(np.geomspace(0.02, 10.0, 100), 6)
 
@@ -111,7 +114,7 @@ def response_spectrum(record: Record, periods: ArrayLike | None = None, damping:
 
 def check_periods(periods: ArrayLike | None) -> NDArray[np.float64]:
     """Periods [s] as an array; ValueError unless positive and finite."""
-    natural = np.atleast_1d(np.asarray(STANDARD_PERIODS if periods is None else periods, dtype=np.float64))
-    if natural.ndim != 1 or natural.size == 0 or not np.all(np.isfinite(natural) & (natural > 0.0)):
-        raise ValueError(f"periods={periods!r} s: want positive numbers, shape (period,)")
+    natural = np.atleast_1d(numbers("periods", STANDARD_PERIODS if periods is None else periods))
+    if natural.ndim != 1 or natural.size == 0 or not np.all((natural >= SHORTEST) & (natural <= LONGEST)):
+        raise ValueError(f"periods={periods!r} s: want positive numbers, {SHORTEST:g} to {LONGEST:g}, shape (period,)")
     return natural

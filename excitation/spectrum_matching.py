@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from excitation.checks import positive
+from excitation.checks import numbers, positive, whole
 from excitation.record import Record
 from excitation.spectra import check_periods, response_spectrum
 
@@ -64,7 +64,7 @@ def matched(
         ValueError: an argument is out of range, or the target is not met in `max_rounds`: says how close it came.
     """
     natural = check_periods(periods)
-    target = np.asarray(pseudo_acceleration, dtype=np.float64)
+    target = numbers("pseudo_acceleration", pseudo_acceleration)
     if natural.size < 2 or np.any(np.diff(natural) <= 0.0):
         raise ValueError(f"periods={periods!r} s: want two or more, ascending")
     if target.shape != natural.shape or not np.all(np.isfinite(target) & (target > 0.0)):
@@ -72,6 +72,7 @@ def matched(
     if not np.any(record.acceleration):
         raise ValueError("record: is all zeros, want one that moves")
     positive("tolerance", tolerance, "1")
+    whole("max_rounds", max_rounds, 0, 1_000_000)
     frequencies = 1.0 / natural[::-1]
     best = Match(record, np.inf, 0)
     current = record

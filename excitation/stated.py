@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from excitation.checks import numbers, real
 from excitation.units import factor
 
 if TYPE_CHECKING:
@@ -37,9 +38,9 @@ def step_of(times: NDArray[np.float64], tolerance: float = UNIFORM) -> float:
 def stated_step(ds: xr.Dataset, times: NDArray[np.float64]) -> float:
     """The spacing [s] of the times, to the last bit if the attribute `time_step` [s] has it; ValueError if not even."""
     step = step_of(times)
-    stated = float(ds.attrs.get("time_step", step))
+    stated = real(ds.attrs.get("time_step", step))
     if not abs(stated - step) <= UNIFORM * step:
-        raise ValueError(f"time_step={stated!r} s: the times are {step:.9g} s apart, want the same")
+        raise ValueError(f"time_step={ds.attrs.get('time_step')!r} s: the times are {step:.9g} s apart, want the same")
     return stated
 
 
@@ -48,4 +49,4 @@ def values_in(ds: xr.Dataset, name: str, quantity: str) -> NDArray[np.float64]:
     unit = ds[name].attrs.get("units")
     if not isinstance(unit, str):
         raise ValueError(f"{name}: has units {unit!r}, want a unit of {quantity} in the attribute `units`")
-    return factor(unit, quantity) * np.asarray(ds[name].values, dtype=np.float64)
+    return factor(unit, quantity) * numbers(name, ds[name].values)

@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from excitation.checks import finite, not_negative, positive
+from excitation.checks import finite, not_negative, numbers, positive, real
 from excitation.envelopes import MAX_IMPERFECTION, departure
 from excitation.motion import Motion
 from excitation.record import Record
@@ -78,7 +78,7 @@ class Table:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        f, gain, phase = (np.asarray(v, dtype=np.float64) for v in (self.frequencies, self.gain, self.phase))
+        f, gain, phase = (numbers(n, getattr(self, n)) for n in ("frequencies", "gain", "phase"))
         if not f.shape == gain.shape == phase.shape or f.ndim != 1:
             raise ValueError(f"frequencies, gain, phase: have shapes {f.shape}, {gain.shape}, {phase.shape}, want one")
         if not all(np.all(np.isfinite(v)) for v in (f, gain, phase)) or np.any(np.diff(f) <= 0.0) or np.any(f < 0.0):
@@ -94,7 +94,7 @@ class Table:
         positive("displacement_corner", self.displacement_corner, "Hz")
         positive("envelope_period", self.envelope_period, "s")
         not_negative("noise", self.noise, "m/s^2")
-        if not 0.0 <= self.envelope_imperfection <= MAX_IMPERFECTION:
+        if not 0.0 <= real(self.envelope_imperfection) <= MAX_IMPERFECTION:
             raise ValueError(f"envelope_imperfection={self.envelope_imperfection!r}: want 0 to {MAX_IMPERFECTION}")
 
     @classmethod

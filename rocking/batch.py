@@ -16,11 +16,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rocking.arguments import array_of, check_kinds
 from rocking.effect import Effect
 from rocking.hybrid import Mode, System
 from rocking.motion import BaseMotion, Still, pitch_kernel
 from rocking.solvers import load
-from rocking.validation import positive
+from rocking.validation import positive, real
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -95,7 +96,7 @@ def _as_many(name: str, items: Item | Sequence[Item], count: int) -> Sequence[It
 
 
 def _per_run(name: str, values: ArrayLike, count: int) -> NDArray[np.float64]:
-    array = np.asarray(values, dtype=np.float64)
+    array = array_of(name, values)
     if array.shape not in ((), (1,), (count,)):
         raise ValueError(f"{name}: shape {array.shape}, want a number or shape ({count},), one for each run")
     if not np.all(np.isfinite(array)):
@@ -143,11 +144,15 @@ def solve_batch(
         ValueError: an argument is out of range, the numbers of systems and motions do not fit, they are not of one
             kind, the solver has no batch or declines one of them, or the device is not there.
     """
-    many = _count(systems, motions, np.asarray(theta), np.asarray(omega))
+    many = _count(systems, motions, array_of("theta", theta), array_of("omega", omega))
     if isinstance(systems, Sequence) and not systems:
         raise ValueError("systems: none given, want one or more")
-    if not (math.isfinite(t_end) and t_end > t_start):
+    if not math.isfinite(real(t_start)):
+        raise ValueError(f"t_start={t_start!r} s: want a finite number")
+    if not (math.isfinite(real(t_end)) and t_end > t_start):
         raise ValueError(f"t_end={t_end!r} s: want a time after t_start={t_start!r} s")
+    if not real(max_events) >= 1.0:
+        raise ValueError(f"max_events={max_events!r}: want 1 or more")
     positive("rtol", rtol, "1")
     positive("atol", atol, "SI units of the state")
     all_systems = _as_many("systems", systems, many)
@@ -158,6 +163,7 @@ def solve_batch(
     if effects:
         all_systems, all_motions = _with_effects(all_systems, all_motions, effects, (float(t_start), float(t_end)))
     for system, motion in zip(all_systems, all_motions, strict=True):
+        check_kinds(system, motion)
         if not system.carries_pitch and pitch_kernel(motion) is not None:
             raise ValueError(f"motion={motion!r}: {system.name} does not carry a base that pitches, want Method 1")
     carrier: Any = load(solver)

@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from rocking.validation import positive
+
 G_STANDARD = 9.80665
 """Standard acceleration of gravity [m/s^2] (CGPM 1901)."""
 
@@ -37,9 +39,7 @@ class Block:
 
     def __post_init__(self) -> None:
         for name, unit in (("b", "m"), ("h", "m"), ("d", "m"), ("density", "kg/m^3")):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name}={value!r} {unit}: want a positive number")
+            positive(name, getattr(self, name), unit)
 
     @property
     def mass(self) -> float:

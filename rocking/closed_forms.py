@@ -11,7 +11,10 @@ from __future__ import annotations
 import math
 
 from rocking.block import G_STANDARD, Block
-from rocking.validation import positive, within
+from rocking.validation import positive, real, within
+
+MOST_IMPACTS = 1_000_000
+"""Impacts whose times are summed one by one."""
 
 
 def west_acceleration(b: float, h: float, a_z: float = 0.0, g: float = G_STANDARD) -> float:
@@ -27,7 +30,8 @@ def west_acceleration(b: float, h: float, a_z: float = 0.0, g: float = G_STANDAR
     positive("b", b, "m")
     positive("h", h, "m")
     positive("g", g, "m/s^2")
-    positive("g + a_z", g + a_z, "m/s^2")
+    if not -g < real(a_z) < math.inf:
+        raise ValueError(f"g + a_z={g + real(a_z)!r} m/s^2 with a_z={a_z!r}: want a positive number")
     return b / h * (g + a_z)
 
 
@@ -43,7 +47,7 @@ def quarter_period(theta0: float, alpha: float, p: float) -> float:
     """
     positive("alpha", alpha, "rad")
     positive("p", p, "rad/s")
-    if not 0.0 <= theta0 < alpha:
+    if not 0.0 <= real(theta0) < alpha:
         raise ValueError(f"theta0={theta0!r} rad: want 0 to below alpha={alpha!r}")
     return math.acosh(1.0 / (1.0 - theta0 / alpha)) / p
 
@@ -63,8 +67,8 @@ def free_peak(theta0: float, alpha: float, e: float, n: int) -> float:
     positive("alpha", alpha, "rad")
     within("theta0", theta0, 0.0, alpha)
     within("e", e, 0.0, 1.0)
-    if n < 0:
-        raise ValueError(f"n={n!r}: want 0 or more impacts")
+    if not (real(n) >= 0.0 and real(n) % 1.0 == 0.0):
+        raise ValueError(f"n={n!r}: want 0 or more impacts, a whole number")
     return alpha * (1.0 - math.sqrt(1.0 - e ** (2 * n) * (1.0 - (1.0 - theta0 / alpha) ** 2)))
 
 
@@ -73,8 +77,9 @@ def free_impact_time(theta0: float, alpha: float, p: float, e: float, n: int) ->
 
     Housner (1963).  Arguments as of `quarter_period` and `free_peak`.
     """
-    if n < 1:
-        raise ValueError(f"n={n!r}: want impact 1 or a later one")
+    if not (1.0 <= real(n) <= MOST_IMPACTS and real(n) % 1.0 == 0.0):
+        raise ValueError(f"n={n!r}: want impact 1 or a later one, up to {MOST_IMPACTS}")
+    n = int(n)
     total = quarter_period(theta0, alpha, p)
     for i in range(1, n):
         total += 2.0 * quarter_period(free_peak(theta0, alpha, e, i), alpha, p)
@@ -91,7 +96,7 @@ def zeno_time(omega: float, alpha: float, p: float, e: float) -> float:
     positive("alpha", alpha, "rad")
     positive("p", p, "rad/s")
     within("omega", omega, 0.0, math.inf)
-    if not 0.0 <= e < 1.0:
+    if not 0.0 <= real(e) < 1.0:
         raise ValueError(f"e={e!r}: want 0 to below 1")
     return 2.0 * omega / (p * p * alpha * (1.0 - e))
 
@@ -182,5 +187,7 @@ def ishiyama_velocity(block: Block, g: float = G_STANDARD) -> float:
     overturns, times 0.4, his lower bound of what simulated motions of longer duration needed: a rule, not a theorem.
     His limit of the peak acceleration is that of the start of rocking, `west_acceleration`.
     """
+    if not isinstance(block, Block):
+        raise ValueError(f"block={block!r}: want a Block")
     positive("g", g, "m/s^2")
     return 0.4 * math.sqrt(8.0 * g * block.R * (1.0 - math.cos(block.alpha)) / 3.0) / math.cos(block.alpha)

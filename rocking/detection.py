@@ -26,8 +26,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rocking.arguments import array_of
 from rocking.block import G_STANDARD
-from rocking.validation import positive
+from rocking.validation import positive, real
 
 Array = NDArray[np.float64]
 
@@ -72,7 +73,7 @@ class Fall:
 
 def _checked(t: ArrayLike, a_z: ArrayLike) -> tuple[Array, Array, float]:
     """(t, a_z, time step) of a record with equal steps."""
-    times, values = np.asarray(t, dtype=np.float64), np.asarray(a_z, dtype=np.float64)
+    times, values = array_of("t", t), array_of("a_z", a_z)
     if times.ndim != 1 or times.size < 3 or values.shape != times.shape:
         raise ValueError(f"t, a_z: shapes {times.shape} and {values.shape}, want one shape (time,), three or more")
     if not (np.all(np.isfinite(times)) and np.all(np.isfinite(values))):
@@ -85,7 +86,11 @@ def _checked(t: ArrayLike, a_z: ArrayLike) -> tuple[Array, Array, float]:
 
 def _quiet(t: Array, quiet: tuple[float, float] | None, window: float) -> NDArray[np.bool_]:
     """Where the block is known to stand."""
-    start, end = (float(t[0]), float(t[0] + 0.1 * (t[-1] - t[0]))) if quiet is None else quiet
+    given = (float(t[0]), float(t[0] + 0.1 * (t[-1] - t[0]))) if quiet is None else quiet
+    pair = array_of("quiet", given)
+    if pair.shape != (2,) or not np.all(np.isfinite(pair)):
+        raise ValueError(f"quiet={quiet!r} s: want two finite times")
+    start, end = pair.tolist()
     if end - start < LEAST_WINDOWS * window:
         raise ValueError(f"quiet=({start:g}, {end:g}) s: want at least {LEAST_WINDOWS} windows of {window:g} s")
     inside = (t >= start) & (t <= end)
@@ -147,12 +152,12 @@ def detect_onset(
     for name, value in (("window", window), ("apart", apart), ("within", within)):
         positive(name, value, "s")
     positive("resolution", resolution, "m/s^2")
-    if not 0.0 < false_alarm < 1.0:
+    if not 0.0 < real(false_alarm) < 1.0:
         raise ValueError(f"false_alarm={false_alarm!r}: want above 0 and below 1")
-    if count < 1:
-        raise ValueError(f"count={count!r}: want 1 or more")
+    if not (real(count) >= 1.0 and real(count) % 1.0 == 0.0):
+        raise ValueError(f"count={count!r}: want 1 or more, a whole number")
     standing = _quiet(times, quiet, window)
-    others = np.empty((0, times.size)) if reference is None else np.atleast_2d(np.asarray(reference, dtype=np.float64))
+    others = np.empty((0, times.size)) if reference is None else np.atleast_2d(array_of("reference", reference))
     if others.shape[1] != times.size or not np.all(np.isfinite(others)):
         raise ValueError(f"reference: shape {others.shape}, want finite numbers of shape (reference, {times.size})")
     rest, level, shares = _without_base(values, others, standing)
@@ -222,7 +227,7 @@ def detect_overturning(
     for name, value, unit in (("g", g, "m/s^2"), ("window", window, "s"), ("evidence", evidence, "m/s")):
         positive(name, value, unit)
     standing = _quiet(times, quiet, step)
-    push = np.zeros_like(times) if a_x is None else np.asarray(a_x, dtype=np.float64)
+    push = np.zeros_like(times) if a_x is None else array_of("a_x", a_x)
     if push.shape != times.shape or not np.all(np.isfinite(push)):
         raise ValueError(f"a_x: shape {push.shape}, want finite numbers of shape {times.shape}")
     level = float(np.median(values[standing]))

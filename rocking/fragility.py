@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rocking.arguments import array_of
 from rocking.batch import OUTCOMES, solve_batch
 from rocking.fragility_fit import check_share, fit_lognormal, fraction
 from rocking.hybrid import System
@@ -70,12 +71,12 @@ def run_records(
     import xarray as xr
     from tqdm import tqdm
 
-    factors = np.atleast_1d(np.asarray(scales, dtype=np.float64))
+    factors = np.atleast_1d(array_of("scales", scales))
     if factors.ndim != 1 or factors.size == 0 or not (factors[0] > 0.0 and np.all(np.diff(factors) > 0.0)):
         raise ValueError(f"scales={scales!r}: want positive numbers in ascending order")
     if len(records) == 0:
         raise ValueError("records: none given, want one or more")
-    unit = np.ones(len(records)) if intensity is None else np.asarray(intensity, dtype=np.float64)
+    unit = np.ones(len(records)) if intensity is None else array_of("intensity", intensity)
     if unit.shape != (len(records),) or not (np.all(np.isfinite(unit)) and np.all(unit > 0.0)):
         raise ValueError(f"intensity: want positive numbers of shape ({len(records)},), one for each record")
     fell, tilt = (np.empty((factors.size, len(records)), dtype=kind) for kind in (bool, float))

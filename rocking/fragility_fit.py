@@ -20,6 +20,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rocking.arguments import array_of
+from rocking.validation import real
+
 Array = NDArray[np.float64]
 
 MAX_ITERATIONS = 100
@@ -57,7 +60,7 @@ class LognormalFragility:
 
 
 def check_share(name: str, value: float) -> None:
-    if not 0.0 < value < 1.0:
+    if not 0.0 < real(value) < 1.0:
         raise ValueError(f"{name}={value!r}: want above 0 and below 1")
 
 
@@ -83,7 +86,7 @@ def fraction(
     check_share("confidence", confidence)
     if interval not in ("clopper-pearson", "wilson"):
         raise ValueError(f"interval={interval!r}: want 'clopper-pearson' or 'wilson'")
-    k, n = np.broadcast_arrays(np.asarray(exceeded), np.asarray(total))
+    k, n = np.broadcast_arrays(array_of("exceeded", exceeded), array_of("total", total))
     if not (np.all(k == np.floor(k)) and np.all(n == np.floor(n)) and np.all((k >= 0) & (k <= n))):
         raise ValueError("exceeded, total: want whole numbers with 0 <= exceeded <= total")
     method: Any = "exact" if interval == "clopper-pearson" else "wilson"
@@ -111,14 +114,14 @@ def fit_lognormal(im: ArrayLike, exceeded: ArrayLike, groups: ArrayLike | None =
         ValueError: the shapes differ, an intensity is not positive, or the outcomes have no estimate: none or all
             exceed, a single intensity parts them, or weaker cases exceed more often than stronger ones.
     """
-    x, y = np.asarray(im, dtype=np.float64), np.asarray(exceeded)
-    if x.ndim != 1 or x.shape != y.shape or x.size == 0:
-        raise ValueError(f"im, exceeded: shapes {x.shape} and {y.shape}, want one shape (case,), one or more")
+    x, outcomes = array_of("im", im), array_of("exceeded", exceeded)
+    if x.ndim != 1 or x.shape != outcomes.shape or x.size == 0:
+        raise ValueError(f"im, exceeded: shapes {x.shape} and {outcomes.shape}, want one shape (case,), one or more")
     if not (np.all(np.isfinite(x)) and np.all(x > 0.0)):
         raise ValueError("im: want positive finite numbers")
-    if not np.all((y == 0) | (y == 1)):
+    if not np.all((outcomes == 0.0) | (outcomes == 1.0)):
         raise ValueError("exceeded: want False or True for each case")
-    y = y.astype(bool)
+    y = outcomes.astype(bool)
     _check_overlap(x, y)
     labels = np.arange(x.size) if groups is None else np.unique(np.asarray(groups), return_inverse=True)[1]
     if labels.shape != x.shape:

@@ -13,6 +13,7 @@ Status   between impacts; an impact itself is an impulse, of which a sample says
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 from rocking.hybrid import Anchor, Base, Discrete, System, bind_hooks, in_floor_axes
 from rocking.motion import base_at
 from rocking.trajectory import Trajectory
+from rocking.validation import real
 
 Array = NDArray[np.float64]
 
@@ -59,9 +61,15 @@ def _with_numpy(hook: Any) -> Any:
     return partial(hook, np)
 
 
+def _pair(values: Any) -> bool:
+    """Whether these are two finite numbers."""
+    two = isinstance(values, Sequence | np.ndarray) and not isinstance(values, str) and len(values) == 2
+    return two and all(math.isfinite(real(value)) for value in values)
+
+
 def _from_anchor(m: _Motion, position: tuple[float, float]) -> tuple[Array, Array]:
     """Vector [m] from the anchor to the point of the block, in the axes of the floor."""
-    if len(position) != 2 or not all(math.isfinite(value) for value in position):
+    if not _pair(position):
         raise ValueError(f"position={position!r} m: want two finite numbers (X, Z) in the block frame")
     along, up = position[0] - m.anchor.X, position[1] - m.anchor.Z
     cos, sin = np.cos(m.theta), np.sin(m.theta)
@@ -123,7 +131,7 @@ def accelerometer_at(
 
 
 def _reading(m: _Motion, g: float, position: tuple[float, float], direction: tuple[float, float]) -> Array:
-    length = math.hypot(*direction) if len(direction) == 2 else math.nan
+    length = math.hypot(*direction) if _pair(direction) else math.nan
     if not (math.isfinite(length) and length > 0.0):
         raise ValueError(f"direction={direction!r}: want two finite numbers, not both zero")
     r_x, r_z = _from_anchor(m, position)

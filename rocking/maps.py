@@ -25,11 +25,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rocking.arguments import array_of
 from rocking.batch import solve_batch
 from rocking.block import G_STANDARD, Block
 from rocking.hybrid import System
 from rocking.method1 import Method1
 from rocking.motion import BaseMotion
+from rocking.validation import positive, real
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,7 +40,7 @@ Build = Callable[..., tuple[System, BaseMotion | None]]
 
 
 def _axis(name: str, values: ArrayLike) -> NDArray[np.float64]:
-    axis = np.atleast_1d(np.asarray(values, dtype=np.float64))
+    axis = np.atleast_1d(array_of(name, values))
     if axis.ndim != 1 or axis.size == 0 or not np.all(np.isfinite(axis)):
         raise ValueError(f"{name}: want finite numbers of shape ({name},), one or more")
     return axis
@@ -89,9 +91,9 @@ def overturning_map(
 
 def block_of(p: float, alpha: float, g: float = G_STANDARD) -> Block:
     """The uniform rectangle with frequency parameter p [rad/s] and slenderness angle alpha [rad]: R = 3 g / (4 p^2)."""
-    if not (math.isfinite(p) and p > 0.0):
-        raise ValueError(f"p={p!r} rad/s: want a positive number")
-    if not 0.0 < alpha < 0.5 * math.pi:
+    positive("p", p, "rad/s")
+    positive("g", g, "m/s^2")
+    if not 0.0 < real(alpha) < 0.5 * math.pi:
         raise ValueError(f"alpha={alpha!r} rad: want above 0 and below pi/2")
     R = 3.0 * g / (4.0 * p * p)
     return Block(2.0 * R * math.sin(alpha), 2.0 * R * math.cos(alpha))
@@ -132,6 +134,9 @@ def rocking_spectrum(
     axes = {"period": _axis("period", period), "alpha": _axis("alpha", alpha)}
     if np.any(axes["period"] <= 0.0):
         raise ValueError(f"period={float(axes['period'].min())!r} s: want positive numbers")
+    outside = axes["alpha"][(axes["alpha"] <= 0.0) | (axes["alpha"] >= 0.5 * math.pi)]
+    if outside.size:
+        raise ValueError(f"alpha={float(outside[0])!r} rad: want above 0 and below pi/2")
     ds = overturning_map(build, axes, t_end=t_end, units={"period": "s", "alpha": "rad"}, **options)
     ds.period.attrs["long_name"] = "2 pi / p, the size of the block"
     ds.alpha.attrs["long_name"] = "slenderness angle"

@@ -130,6 +130,8 @@ class Method1:
     balance = staticmethod(balance)
 
     def __post_init__(self) -> None:
+        if not isinstance(self.block, Block):
+            raise ValueError(f"block={self.block!r}: want a Block")
         if self.form not in ("nonlinear", "linear"):
             raise ValueError(f"form={self.form!r}: want 'nonlinear' or 'linear'")
         if self.onset not in ("west", "linear"):

@@ -105,6 +105,8 @@ class Method2:
     balance = staticmethod(balance)
 
     def __post_init__(self) -> None:
+        if not isinstance(self.block, Block):
+            raise ValueError(f"block={self.block!r}: want a Block")
         within("friction", self.friction, 0.0, math.inf)
         if self.kinetic_friction is not None:
             within("kinetic_friction", self.kinetic_friction, 0.0, self.friction)
@@ -117,7 +119,7 @@ class Method2:
         positive("g", self.g, "m/s^2")
         positive("rest_speed", self.rest_speed, "1")
         positive("chatter_time", self.chatter_time, "s")
-        if self.impact_law not in IMPACT_LAWS:
+        if not isinstance(self.impact_law, str) or self.impact_law not in IMPACT_LAWS:
             raise ValueError(f"impact_law={self.impact_law!r}: want one of {', '.join(IMPACT_LAWS)}")
         if self.impact_law == "kinematic":
             self._check_kinematic_energy()

@@ -15,12 +15,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rocking.arguments import array_of, check_kinds
 from rocking.effect import Effect
 from rocking.hybrid import Discrete, System
 from rocking.motion import BaseMotion, Still, pitch_kernel
 from rocking.solvers import load
 from rocking.trajectory import Trajectory
-from rocking.validation import positive
+from rocking.validation import positive, real
 
 DEFAULT_SAMPLES = 1001
 """Samples of a trajectory when no times are asked for."""
@@ -64,22 +65,23 @@ def solve(
             system cannot carry an effect.
     """
     for name, value in (("t_start", t_start), ("theta", theta), ("omega", omega)):
-        if not math.isfinite(value):
+        if not math.isfinite(real(value)):
             raise ValueError(f"{name}={value!r}: want a finite number")
-    if not (math.isfinite(t_end) and t_end > t_start):
+    if not (math.isfinite(real(t_end)) and t_end > t_start):
         raise ValueError(f"t_end={t_end!r} s: want a time after t_start={t_start!r} s")
     if abs(theta) >= 0.5 * math.pi:
         raise ValueError(f"theta={theta!r} rad: want between -pi/2 and pi/2, where the block lies on its side")
     positive("rtol", rtol, "1")
     positive("atol", atol, "SI units of the state")
-    if max_events < 1:
+    if not real(max_events) >= 1.0:
         raise ValueError(f"max_events={max_events!r}: want 1 or more")
     if initial is not None and (theta != 0.0 or omega != 0.0):
         raise ValueError("initial: want it without theta and omega, which it already holds")
-    times = np.linspace(t_start, t_end, DEFAULT_SAMPLES) if save_at is None else np.array(save_at, float)
+    times = np.linspace(t_start, t_end, DEFAULT_SAMPLES) if save_at is None else array_of("save_at", save_at)
     if times.ndim != 1 or np.any(np.diff(times) < 0.0) or not np.all((times >= t_start) & (times <= t_end)):
         raise ValueError(f"save_at: want ascending times between t_start={t_start!r} and t_end={t_end!r} s")
     base = Still() if motion is None else motion
+    check_kinds(system, base)
     if effects:
         from rocking.effects import base_with, compose
 

@@ -34,7 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocking.method1 import Method1
-from rocking.validation import positive
+from rocking.validation import positive, real
 
 LONGEST = 300.0
 """Largest T = n pi/w: beyond it exp(2 T) would overflow."""
@@ -68,9 +68,9 @@ class SteadyState:
 
 def _check(ratio: float, e: float, n: int) -> None:
     positive("ratio", ratio, "1")
-    if not 0.0 < e <= 1.0:
+    if not 0.0 < real(e) <= 1.0:
         raise ValueError(f"e={e!r}: want above 0 to 1")
-    if n < 1 or n % 2 == 0:
+    if not (real(n) >= 1.0 and real(n) % 2.0 == 1.0):
         raise ValueError(f"n={n!r}: want an odd number of periods, 1 or more (an even one leaves no symmetric orbit)")
     if n * math.pi / ratio > LONGEST:
         raise ValueError(f"ratio={ratio!r}: want at least n pi/{LONGEST:g}={n * math.pi / LONGEST:.3g}")

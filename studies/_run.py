@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import errno
 import glob
+import hashlib
 import itertools
 import math
 import os
@@ -23,6 +24,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import netCDF4
 import xarray as xr
 
 DEFAULT_OUT = Path("build") / "studies"
@@ -37,6 +39,8 @@ LEAST_FREE = 1024 * 1024
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS)
 """Errors after which no other file can be written there either."""
+
+SEAL = b"\nsha256 "
 
 _counter = itertools.count()
 
@@ -155,17 +159,57 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
                 os.fsync(file.fileno())
             os.replace(temporary, target)
         except OSError as error:
-            raise OSError(error.errno or errno.EIO, error.strerror or str(error), str(path)) from error
+            # The NetCDF library calls every failure to begin a file a lack of permission.
+            number = errno.ENOSPC if error.errno == errno.EACCES and _full(target.parent) else error.errno or errno.EIO
+            reason = os.strerror(number) if number == errno.ENOSPC else error.strerror or str(error)
+            raise OSError(number, reason, str(path)) from error
         except RuntimeError as error:
             if not str(error).startswith("NetCDF:"):
                 raise
-            # The NetCDF library does not pass on why a write failed.
-            full = shutil.disk_usage(target.parent).free < LEAST_FREE
+            # Nor does it pass on why a write failed.
+            full = _full(target.parent)
             reason = os.strerror(errno.ENOSPC) if full else f"{error}; is the disk full?"
             raise OSError(errno.ENOSPC if full else errno.EIO, reason, str(path)) from error
     finally:
         with suppress(OSError):
             temporary.unlink(missing_ok=True)
+
+
+def _full(folder: Path) -> bool:
+    """Whether a folder can be written to but for the room."""
+    return os.access(folder, os.W_OK) and shutil.disk_usage(folder).free < LEAST_FREE
+
+
+def seal(path: Path) -> None:
+    """Write the checksum of a NetCDF file behind its end, where other programs do not look.
+
+    A damaged file can open without a complaint and show numbers as missing: its own checksums cover the packed numbers
+    alone.
+    """
+    digest = _digest_of(path, path.stat().st_size)
+    with path.open("ab") as file:
+        file.write(SEAL + digest + b"\n")
+
+
+def sealed(path: Path) -> bool | None:
+    """Whether a file is to the last bit what was sealed; None for one without a seal."""
+    length = len(SEAL) + 65
+    with path.open("rb") as file:
+        end = file.seek(0, os.SEEK_END)
+        file.seek(max(0, end - length))
+        last = file.read(length)
+    if not last.startswith(SEAL):
+        return None
+    return last[len(SEAL) : -1] == _digest_of(path, end - length)
+
+
+def _digest_of(path: Path, size: int) -> bytes:
+    digest = hashlib.sha256()
+    with path.open("rb") as file:
+        while size > 0 and (block := file.read(min(size, 2**20))):
+            digest.update(block)
+            size -= len(block)
+    return digest.hexdigest().encode()
 
 
 def clear_unfinished(path: Path) -> None:
@@ -174,6 +218,12 @@ def clear_unfinished(path: Path) -> None:
     for left in target.parent.glob(f".{glob.escape(target.stem)}.[0-9]*{target.suffix}"):
         with suppress(OSError):
             left.unlink()
+
+
+def _declared_size(path: Path) -> int:
+    """Bytes that the variables of a NetCDF file take in memory; a text, some fifty besides its characters."""
+    with netCDF4.Dataset(path) as file:
+        return sum(math.prod(v.shape) * getattr(v.dtype, "itemsize", 64) for v in file.variables.values())
 
 
 def load_dataset(path: Path, most: int = MOST_BYTES) -> xr.Dataset:
@@ -185,10 +235,11 @@ def load_dataset(path: Path, most: int = MOST_BYTES) -> xr.Dataset:
     if not path.is_file():
         raise DatasetError(f"{path}: is not there or no file, want a NetCDF dataset")
     try:
-        with xr.open_dataset(path, engine="netcdf4") as opened:
-            # A text is an object of some fifty bytes besides its characters.
-            size = sum(v.size * (64 if v.dtype.kind in "OUS" else v.dtype.itemsize) for v in opened.variables.values())
-            if size <= most:
+        if sealed(path) is False:
+            raise ValueError("it is not what was written, by its checksum")
+        size = _declared_size(path)  # beforehand: xarray makes room for texts when it opens a file
+        if size <= most:
+            with xr.open_dataset(path, engine="netcdf4") as opened:
                 return opened.load()
     except Exception as error:  # whatever the libraries meet in a stranger's file means that it is none
         reason = (getattr(error, "strerror", None) or str(error) or type(error).__name__).splitlines()[0][:120]
@@ -212,7 +263,12 @@ def save_dataset(ds: xr.Dataset, path: Path) -> None:
     }
     # CF: coordinates have no missing values.
     packed |= {str(name): {"_FillValue": None} for name, v in ds.coords.items() if v.dtype.kind == "f"}
-    write_whole(path, lambda target: ds.to_netcdf(target, engine="netcdf4", encoding=packed))
+
+    def write(target: Path) -> None:
+        ds.to_netcdf(target, engine="netcdf4", encoding=packed)
+        seal(target)
+
+    write_whole(path, write)
 
 
 def save_figure(figure: Any, folder: Path, name: str) -> list[Path]:

@@ -38,11 +38,11 @@ def _draw(looks: list[Look], campaign: Campaign, folder: Path) -> None:
 def main(arguments: list[str]) -> None:
     """Print the table and draw the tests; BadInputError if the campaign cannot be used or the folder not written."""
     options = _parser().parse_args(arguments)
-    folder = None if options.plot is None else writable_folder(options.plot)
     try:
         campaign = read(options.campaign)
     except CampaignError as error:
         raise BadInputError(str(error)) from error
+    folder = None if options.plot is None else writable_folder(options.plot)
     looks = [look(test, campaign) for test in tqdm(campaign.tests, "looking", unit="test", disable=None, leave=False)]
     print(summary(campaign, looks))
     if folder is not None:

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from studies._run import write_whole
+from studies._run import save_dataset, write_whole
 from studies.sweep.declared import PARAMETERS, Sweep
 from studies.sweep.evaluation import OUTCOMES, VARIABLES
 
@@ -127,7 +127,7 @@ class Folder:
 
     def keep(self, number: int, ds: xr.Dataset) -> None:
         """Write a chunk."""
-        write_whole(self.file(number), lambda path: ds.to_netcdf(path, engine="netcdf4"))
+        save_dataset(ds, self.file(number))
 
     def sweep_away(self) -> None:
         """Remove the files of the folder, and the folder if nothing else is in it."""

@@ -47,14 +47,14 @@ def _skeleton(target: netCDF4.Dataset, sweep: Sweep) -> None:
         variable.setncatts(attributes)
 
 
-def _chunk(sweep: Sweep, box: Box, path: Path) -> xr.Dataset:
-    """The chunk of that box, and of no other sweep."""
+def _chunk(stated: str, box: Box, path: Path) -> xr.Dataset:
+    """The chunk of that box, of the sweep that is stated so."""
     try:
         ds = _run.load_dataset(path)
         shape = tuple(stop - start for start, stop in box)
         fits = all(name in ds and ds[name].shape == shape for name in variable_attributes())
         json.loads(ds.attrs["declined"])
-        if fits and ds.attrs["declared"] == sweep.as_json():
+        if fits and ds.attrs["declared"] == stated:
             return ds
     except (KeyError, TypeError, ValueError):
         pass
@@ -68,17 +68,18 @@ def gather(sweep: Sweep, folder: Folder, points: int, target: Path, attributes: 
     Raises:
         RuntimeError: a chunk cannot be read; it has been removed.
     """
-    declined: set[str] = set()
+    declined, stated = set[str](), sweep.as_json()
 
     def write(path: Path) -> None:
         with netCDF4.Dataset(path, "w") as file:
             _skeleton(file, sweep)
             for number, box in enumerate(boxes(sweep.shape, points)):
-                part, where = _chunk(sweep, box, folder.file(number)), tuple(slice(*pair) for pair in box)
+                part, where = _chunk(stated, box, folder.file(number)), tuple(slice(*pair) for pair in box)
                 for name in variable_attributes():
                     file[name][where] = part[name].values
                 declined.update(json.loads(part.attrs["declined"]))
             file.setncatts(attributes | {"declined": json.dumps(sorted(declined))})
+        _run.seal(path)
 
     _run.write_whole(target, write)
 

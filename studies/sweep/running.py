@@ -22,7 +22,7 @@ import xarray as xr
 from tqdm import tqdm
 
 from studies._lock import alone
-from studies._run import clear_unfinished
+from studies._run import clear_unfinished, sealed
 from studies.parts import sources_hash
 from studies.sweep.chunks import Box, Folder, as_dataset, boxes, count_boxes
 from studies.sweep.declared import Sweep
@@ -187,7 +187,7 @@ def _stated(target: Path) -> Mapping[str, Any]:
 
 def _there(target: Path, attributes: Mapping[str, str]) -> bool:
     """Whether the file is the dataset of this sweep by these sources."""
-    stated = _stated(target) if target.is_file() else {}
+    stated = _stated(target) if target.is_file() and sealed(target) is not False else {}
     return all(stated.get(key) == attributes[key] for key in ("declared", "sources"))
 
 

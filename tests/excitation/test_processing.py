@@ -286,7 +286,7 @@ def test_trimmed_record_has_the_samples_of_the_span(quake):
         (lambda r: ex.band_passed(r, 0.0, 1.0), r"low=0\.0 Hz"),
         (lambda r: ex.band_passed(r, 0.1, 1.0, order=0), "order=0: want 1 to 12"),
         (lambda r: ex.band_passed(r, 0.1, 1.0, taper=100.0), r"taper=100\.0 s: want at most half"),
-        (lambda r: ex.tapered(r, -1.0), r"taper=-1\.0 s"),
+        (lambda r: ex.tapered(r, -1.0), r"length=-1\.0 s"),
         (lambda r: ex.resampled(r, 0.0), r"time_step=0\.0 s"),
         (lambda r: ex.resampled(r, 0.01 * math.pi), "want a ratio to 0.01 s of small whole"),
         (lambda r: ex.resampled(r, 100.0), r"time_step=100\.0 s: want two samples"),

@@ -28,6 +28,11 @@ from rocking.solvers.numba import namespace
 # Hooks are pointers in a tuple, which numba calls experimental each time that it sees them.
 warnings.filterwarnings("ignore", "First-class function type", numba.core.errors.NumbaExperimentalFeatureWarning)
 
+NOT_KEPT = (
+    "compiled code is not kept, and compiled again in every process: neither the package's folder nor one of the user "
+    "can be written to; set NUMBA_CACHE_DIR to a folder that can"
+)
+
 _njit: Any = numba.njit  # whose annotations do not know all of its options
 borrowing: Any = _njit(error_model="numpy", _nrt=False)
 """Compile a function that neither makes arrays nor keeps one: without counting references to those that it is given.
@@ -122,7 +127,14 @@ def compiled(
     """
     digest = _digest(body, files)
     body.__qualname__ = f"{label}_{digest}"
-    dispatcher = numba.njit(signature, cache=keep, nogil=True, error_model="numpy", parallel=parallel)(body)
+    given: dict[str, Any] = {"nogil": True, "error_model": "numpy", "parallel": parallel}
+    try:
+        dispatcher = numba.njit(signature, cache=keep, **given)(body)
+    except RuntimeError as error:
+        if "no locator available" not in str(error):
+            raise
+        warnings.warn(NOT_KEPT, RuntimeWarning, stacklevel=2)
+        keep, dispatcher = False, numba.njit(signature, **given)(body)
     if keep:
         _drop_stale(dispatcher, label, digest)
     return dispatcher

@@ -1,0 +1,29 @@
+"""Checks of arrays, systems and motions at the public edge: one sentence with name, value and what was wanted."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def array_of(name: str, values: Any) -> NDArray[np.float64]:
+    """`values` as numbers; ValueError where they are none, or rows of different lengths."""
+    try:
+        if np.asarray(values).dtype.kind in "biuf":
+            return np.asarray(values, dtype=np.float64)
+        if np.asarray(values).dtype.kind == "O":  # whole numbers beyond 64 bits, None, anything
+            return np.array(values, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        pass
+    shown = repr(values)
+    raise ValueError(f"{name}={shown if len(shown) <= 80 else shown[:77] + '...'}: want numbers")
+
+
+def check_kinds(system: Any, motion: Any) -> None:
+    """ValueError unless the system can be carried and the motion be asked for accelerations."""
+    if not hasattr(system, "initial_state"):
+        raise ValueError(f"system={system!r}: want a system, such as Method1(Block(b=0.3, h=1.8))")
+    if not hasattr(motion, "kernel"):
+        raise ValueError(f"motion={motion!r}: want a motion with a kernel, such as those of `excitation`, or None")
