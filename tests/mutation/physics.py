@@ -33,9 +33,23 @@ METHOD1 = (
     "test_method1_closed_forms", "test_method1_onset_and_overturning", "effects/test_base_effects",
     "test_physics_under_jax", "test_properties", "test_solvers_agree",
 )  # fmt: skip
-TAYLOR = ("test_taylor", "test_exact_batch", "test_batch", "test_properties", "test_maps", "test_solvers_agree")
+TAYLOR = (
+    "test_chatter_limits",
+    "test_taylor",
+    "test_exact_batch",
+    "test_batch",
+    "test_properties",
+    "test_maps",
+    "test_solvers_agree",
+)
 EXACT = ("test_exact", "test_exact_batch", "test_solvers_agree", "test_other_engines", "test_properties")
-DIFFRAX = ("test_diffrax_events", "test_diffrax_derivatives", "test_solvers_agree", "test_other_engines")
+DIFFRAX = (
+    "test_stretch_limits",
+    "test_diffrax_events",
+    "test_diffrax_derivatives",
+    "test_solvers_agree",
+    "test_other_engines",
+)
 NUMBA = (
     "test_method1_closed_forms", "test_trajectory", "test_method2_motion", "test_solvers_agree", "test_batch",
     "test_batch_with_effects",
@@ -51,7 +65,7 @@ CONTACTS = (
 )  # fmt: skip
 ONE_BODY = ("test_energy", "test_friction", "test_restitution", "test_drop", "test_history", "test_against_stiff_ode")
 PULSES = ("test_pulses", "test_motion_contract", "test_pitch")
-SINES = ("test_harmonic", "test_ramped_sinusoid", "test_motion_contract", "test_pitch")
+SINES = ("test_harmonic", "test_ramped_sinusoid", "test_longest_steps", "test_motion_contract", "test_pitch")
 
 # The first pattern that fits counts.
 FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
@@ -111,7 +125,7 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("excitation/record.py", ("test_record", "test_processing")),
     ("excitation/kanai_tajimi.py", ("test_synthetic",)),
     ("excitation/point_source.py", ("test_synthetic",)),
-    ("excitation/envelopes.py", ("test_synthetic", "test_ramped_sinusoid")),
+    ("excitation/envelopes.py", ("test_ramped_sinusoid", "test_harmonic", "test_pitch", "test_motion_contract")),
     ("excitation/units.py", ("test_readers", "test_record")),
     ("excitation/rotation.py", ("test_processing", "test_record")),
     ("excitation/*.py", ("test_processing", "test_synthetic", "test_motion_contract")),
