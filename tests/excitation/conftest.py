@@ -1,7 +1,6 @@
 """Every kind of motion once, for the tests that must hold for all of them."""
 
 import importlib
-import importlib.util
 import math
 import sys
 from importlib.metadata import version
@@ -92,9 +91,8 @@ def motions() -> dict[str, ex.Motion]:
 
 @pytest.fixture
 def pyrotd(monkeypatch):
-    """The module pyrotd, which asks a part of setuptools that newer ones no longer have for its own version."""
-    if importlib.util.find_spec("pkg_resources") is None:
-        stand_in = ModuleType("pkg_resources")
-        stand_in.get_distribution = lambda name: SimpleNamespace(version=version(name))
-        monkeypatch.setitem(sys.modules, "pkg_resources", stand_in)
+    """The module pyrotd, which asks a part of setuptools that is deprecated, or gone, for its own version."""
+    stand_in = ModuleType("pkg_resources")
+    stand_in.get_distribution = lambda name: SimpleNamespace(version=version(name))
+    monkeypatch.setitem(sys.modules, "pkg_resources", stand_in)
     return importlib.import_module("pyrotd")
