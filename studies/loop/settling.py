@@ -17,8 +17,15 @@ from studies.loop.model import LoopModel
 from studies.loop.preparing import Setup
 from studies.loop.spread import variances, weighed
 from studies.loop.tracing import Trial
+from studies.loop.windows import Window
 
 Array = NDArray[np.float64]
+
+PREDICTABLE = 2.0
+"""Standard deviation of a sample by all noise, over that by the sensor's, up to which a record is predictable."""
+
+FEWEST_SAMPLES = 20
+"""Of a part of a record that says something [1]."""
 
 
 def whole_fit(setup: Setup, trial: Trial, weights_of: Fit | None = None) -> Fit:
@@ -57,12 +64,14 @@ class Settled:
 def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
     """Estimates from swings and from whole records put together, each by its robust covariance.
 
-    Whole records are the sharper the longer they run, and the more the noise of the base sensor is in them.
+    Whole records are the sharper the longer they run, and the more the noise of the base sensor is in them: only what
+    is still predictable of them says how large a parameter is.
     """
     parameters = trial.every
     names = tuple(p.name for p in parameters)
     # Whole records of accelerometers hang too finely on when the side changes for a covariance to say how finely.
-    fits = [f for f in ((trial.swing, whole) if setup.by_rotation else (trial.swing,)) if f.parameters]
+    fits = [trial.swing, *([_while_predictable(setup, trial, whole)] if setup.by_rotation else [])]
+    fits = [f for f in fits if f.parameters and f.windows]
     covariances = [robust_covariance(setup.simulator, setup.noisy, f) for f in fits]
     scale = np.array([p.scale * (f_value if p.log else 1.0) for p, f_value in _at(parameters, whole.model)])
     total, weighted = np.zeros((len(names), len(names))), np.zeros(len(names))
@@ -80,7 +89,43 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
     known = {p.name: min(max(float(v), p.low), p.high) for p, v in zip(parameters, both, strict=True)}
     model = whole.model.changed(known)
     leans = fit(setup.simulator, model, [], whole.windows, huber=10.0, iterations=4, central=True)
-    return Settled(leans, names, np.asarray(joint * np.outer(scale, scale), dtype=np.float64))
+    covariance = _disagreement(fits, covariances) * joint * np.outer(scale, scale)
+    return Settled(leans, names, np.asarray(covariance, dtype=np.float64))
+
+
+def _disagreement(fits: Sequence[Fit], covariances: Sequence[Array]) -> float:
+    """Birge ratio, squared: how much further apart two estimates are than they say, 1 or more.
+
+    Source: Birge (1932), Phys. Rev. 40, 207.
+    """
+    if len(fits) != 2 or fits[0].parameters != fits[1].parameters:
+        return 1.0
+    scale = np.sqrt(np.maximum(np.diag(covariances[0]) + np.diag(covariances[1]), 1e-300))
+    apart = np.array([fits[0].model.get(p.name) - fits[1].model.get(p.name) for p in fits[0].parameters]) / scale
+    both = (covariances[0] + covariances[1]) / np.outer(scale, scale)
+    return max(1.0, float(apart @ np.linalg.pinv(both, rcond=1e-12) @ apart) / apart.size)
+
+
+def predictable(windows: Sequence[Window]) -> list[Window]:
+    """Whole windows up to where the noise of the base sensor makes more of the motion than the sensor's own noise.
+
+    Beyond it the sum of squares is rugged: it has a minimum, sharp and wrong, beside every other.
+    """
+    out = []
+    for w in windows:
+        lost = np.flatnonzero(1.0 / w.weights > PREDICTABLE * w.noise)
+        short = w.until(float(w.times[w.there[lost[0]] % w.times.size])) if lost.size else w
+        out += [short] if short.data.size >= FEWEST_SAMPLES else []
+    return out
+
+
+def _while_predictable(setup: Setup, trial: Trial, whole: Fit) -> Fit:
+    """The parameters fitted to what is predictable of whole records, from either estimate; the better of both."""
+    fits = []
+    for model in (whole.model, trial.swing.model):
+        leans = fit(setup.simulator, model, [], predictable(whole.windows), huber=10.0, iterations=4, central=True)
+        fits.append(fit(setup.simulator, model, trial.every, leans.windows, huber=10.0, iterations=12, central=True))
+    return min(fits, key=lambda f: f.chi2)
 
 
 def _at(parameters: Sequence[Parameter], model: LoopModel) -> list[tuple[Parameter, float]]:
