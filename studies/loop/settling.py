@@ -89,8 +89,8 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
     known = {p.name: min(max(float(v), p.low), p.high) for p, v in zip(parameters, both, strict=True)}
     model = whole.model.changed(known)
     leans = fit(setup.simulator, model, [], whole.windows, huber=10.0, iterations=4, central=True)
-    covariance = _disagreement(fits, covariances) * joint * np.outer(scale, scale)
-    return Settled(leans, names, np.asarray(covariance, dtype=np.float64))
+    widened = _disagreement(fits, covariances) * joint * np.outer(scale, scale)
+    return Settled(leans, names, np.asarray(widened, dtype=np.float64))
 
 
 def _disagreement(fits: Sequence[Fit], covariances: Sequence[Array]) -> float:
