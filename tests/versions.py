@@ -28,6 +28,11 @@ QUICK = (
     "tests/rocking/test_fragility.py", "tests/rocking/effects/test_lagrange.py", "tests/studies/test_overturning.py",
     "tests/studies/test_analysis.py", "tests/studies/sweep", "tests/studies/loop/test_fitting.py",
 )  # fmt: skip
+# Taken as wheels alone: the lowest version of these is the lowest with one for this Python, not one to be built.
+COMPILED = (
+    "numpy", "scipy", "pillow", "matplotlib", "mujoco", "numba", "llvmlite", "netcdf4", "heyoka", "pymunk", "obspy",
+    "lxml", "pandas",
+)  # fmt: skip
 SHOWN = (
     "numpy", "scipy", "jax", "jaxlib", "diffrax", "numba", "xarray", "netCDF4", "matplotlib", "pillow", "tqdm",
     "tomli-w", "jinja2", "obspy", "distributed", "pytest", "hypothesis", "heyoka", "mujoco", "pymunk",
@@ -40,7 +45,8 @@ def environment(folder: Path, python: str, which: str, uv: str) -> Path:
     interpreter = folder / "bin" / "python"
     resolution = {"lowest": "lowest-direct", "newest": "highest"}[which]
     command = [uv, "pip", "install", "--quiet", "--python", str(interpreter), "--resolution", resolution]
-    subprocess.run([*command, "--editable", f"{ROOT}[test]"], check=True)
+    wheels = [part for name in COMPILED for part in ("--only-binary", name)]
+    subprocess.run([*command, *wheels, "--editable", f"{ROOT}[test]"], check=True)
     return interpreter
 
 
