@@ -19,7 +19,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 from cf import by_checker, problems
 
 STUDIES = registered()
-SLOW = {"fig16", "loop_fig16"}  # the first has its own tests, from the command line; the second closes a loop
+# fig16 has its own tests, from the command line; loop_fig16 closes a loop; the others take some ten seconds each.
+SLOW = {"contact_judgement", "fig03", "fig14", "fig15", "fig16", "loop_fig16", "springs", "tombstones"}
 
 
 @pytest.fixture(scope="session")

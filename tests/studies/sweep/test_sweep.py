@@ -127,6 +127,7 @@ def _same(one: Path, other: Path) -> None:
     xr.testing.assert_identical(a, b)
 
 
+@pytest.mark.slow
 def test_after_kill_9_all_opens_and_the_same_command_goes_on_to_the_same_result(tmp_path):
     toml = tmp_path / "s.toml"
     toml.write_text(DECLARED)
