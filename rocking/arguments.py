@@ -21,9 +21,9 @@ def array_of(name: str, values: Any) -> NDArray[np.float64]:
     raise ValueError(f"{name}={shown if len(shown) <= 80 else shown[:77] + '...'}: want numbers")
 
 
-def check_kinds(system: Any, motion: Any) -> None:
+def check_kinds(system: Any, motion: Any, plural: str = "") -> None:
     """ValueError unless the system can be carried and the motion be asked for accelerations."""
     if not hasattr(system, "initial_state"):
-        raise ValueError(f"system={system!r}: want a system, such as Method1(Block(b=0.3, h=1.8))")
+        raise ValueError(f"system{plural}={system!r}: want a system, such as Method1(Block(b=0.3, h=1.8))")
     if not hasattr(motion, "kernel"):
-        raise ValueError(f"motion={motion!r}: want a motion with a kernel, such as those of `excitation`, or None")
+        raise ValueError(f"motion{plural}={motion!r}: want a motion as those of `excitation`, or None")

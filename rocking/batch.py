@@ -86,7 +86,7 @@ def _as_many(name: str, items: Item | Sequence[Item], count: int) -> Sequence[It
     Raises:
         ValueError: there are neither one nor `count` of them.
     """
-    if not isinstance(items, Sequence):
+    if not isinstance(items, Sequence) or isinstance(items, str):
         return [items] * count
     if len(items) == 1:
         return [items[0]] * count
@@ -106,7 +106,8 @@ def _per_run(name: str, values: ArrayLike, count: int) -> NDArray[np.float64]:
 
 def _count(*items: Any) -> int:
     """The number of runs that the arguments ask for: the longest of them."""
-    return max(len(i) if isinstance(i, Sequence) else np.size(i) if isinstance(i, np.ndarray) else 1 for i in items)
+    many = [i for i in items if not isinstance(i, str)]
+    return max(len(i) if isinstance(i, Sequence) else np.size(i) if isinstance(i, np.ndarray) else 1 for i in many)
 
 
 def solve_batch(
@@ -163,7 +164,7 @@ def solve_batch(
     if effects:
         all_systems, all_motions = _with_effects(all_systems, all_motions, effects, (float(t_start), float(t_end)))
     for system, motion in zip(all_systems, all_motions, strict=True):
-        check_kinds(system, motion)
+        check_kinds(system, motion, "s")
         if not system.carries_pitch and pitch_kernel(motion) is not None:
             raise ValueError(f"motion={motion!r}: {system.name} does not carry a base that pitches, want Method 1")
     carrier: Any = load(solver)

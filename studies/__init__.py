@@ -4,6 +4,7 @@
 `check` part, and writes NetCDF first, then draws what is in it.  `studies.open("fig16.nc")` opens what was made.
 """
 
+import studies._early  # noqa: F401 (first: it stands guard while the others are loaded)
 from studies.analysis import interpolated, open
 
 __all__ = ["interpolated", "open"]

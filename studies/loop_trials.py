@@ -297,7 +297,8 @@ def _run_trials(options: argparse.Namespace) -> int:
     with ThreadPoolExecutor(options.jobs) as pool:
         tasks = [pool.submit(closed, case, (options.out / case.name).resolve(), command) for case in cases]
         try:
-            rows = [task.result() for task in tqdm(tasks, desc="campaigns", unit="campaign")]
+            with tqdm(tasks, desc="campaigns", unit="campaign") as bar:  # closed before anything else is said
+                rows = [task.result() for task in bar]
         except BaseException:
             _stopped.set()
             pool.shutdown(wait=True, cancel_futures=True)

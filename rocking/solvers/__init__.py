@@ -68,10 +68,10 @@ def load(name: str) -> Solver:
         ValueError: no solver of that name is installed.
         ImportError: the plugin is there and does not load; it says which.
     """
-    if name in _loaded:
+    if isinstance(name, str) and name in _loaded:
         return _loaded[name]
     points = _installed()
-    if name not in points:
+    if not isinstance(name, str) or name not in points:
         raise ValueError(f"solver={name!r}: want one of {', '.join(sorted(points))}")
     try:
         solver: Any = points[name].load()
