@@ -55,6 +55,10 @@ def test_every_command_explains_itself_and_each_of_its_options(words, monkeypatc
         asked.append(parser)
         raise AskedError
 
+    for name in [name for name in sys.modules if name.startswith(("studies.", "excitation.__main__"))]:
+        # As in a process of its own, where nothing but `studies.commands` is loaded.
+        if name == f"studies.{words[0]}" or name.endswith("__main__"):
+            monkeypatch.delitem(sys.modules, name)
     monkeypatch.setattr(argparse.ArgumentParser, "parse_args", ask)
     monkeypatch.setattr(sys, "argv", ["rocking-studies", *words])
     with pytest.raises(AskedError):
