@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 PACKAGES = ("rocking", "dem", "excitation", "studies")
 OF_PYTEST = ("-x", "-v", "-n", "0", "-p", "no:cacheprovider", "--no-header", "--tb", "line")
-FAILED = re.compile(r"^(?:FAILED|ERROR) (tests/.+?)(?: - .*)?$", re.MULTILINE)  # names may have blanks
+# Names may have blanks and dashes; what cannot be collected is named in the summary alone.
+FAILED = re.compile(r"^(tests/.+?) (?:FAILED|ERROR)(?: +\[.*)?$|^ERROR (tests/\S+)", re.MULTILINE)
 STARTED = re.compile(r"^(tests/\S+::.*?)(?: (?:PASSED|SKIPPED|XFAIL).*)?$", re.MULTILINE)
 
 
@@ -109,7 +110,7 @@ class Clone:
             return "survived", ""
         failed = FAILED.search(text)
         if failed:
-            return "caught", failed[1]
+            return "caught", failed[1] or failed[2]
         if code < 0:
             return "crash", last[-1] if last else tests[0]
         raise RuntimeError(f"pytest ended with {code} and named no test:\n{text[-3000:]}")

@@ -9,7 +9,12 @@ from .breaks import breaks_of
 from .clone import Clone
 
 SOURCE = "def half(x):\n    return 0.5 * x\n"
-TEST = "import rocking\n\ndef test_half():\n    assert rocking.half(3.0) == 1.5\n"
+TEST = """import pytest, rocking
+
+@pytest.mark.parametrize("x", [3.0], ids=["three - a number"])
+def test_half(x):
+    assert rocking.half(x) == 1.5
+"""
 
 
 @pytest.fixture
@@ -33,7 +38,7 @@ def test_a_break_is_caught_and_taken_back(project: Path, tmp_path: Path) -> None
     groups = [["tests/test_half.py"]]
     one = next(b for b in breaks_of("rocking/__init__.py", SOURCE.encode()) if b.new == "/")
     verdict = clone.judge(one, groups, stuck=60.0)
-    assert (verdict.outcome, verdict.test) == ("caught", "tests/test_half.py::test_half")
+    assert (verdict.outcome, verdict.test) == ("caught", "tests/test_half.py::test_half[three - a number]")
     assert (clone.tree / "rocking" / "__init__.py").read_text() == SOURCE
     assert not clone.cache.exists(), "the cache of compiled code was not emptied"
     assert clone.run(groups[0], 60.0) == ("survived", "")
