@@ -64,7 +64,8 @@ def effects_text() -> str:
     """A table of all, and one section for each effect of the package."""
     heads = {name: head_of(importlib.import_module(load(name).__module__).__doc__ or "") for name in available()}
     rows = [f"| [`{name}`](#{name.replace('_', '-')}-effect) | {_short(title)} |" for name, (title, _) in heads.items()]
-    parts = ["\n".join(["| effect | what the ideal block lacks |", "|---|---|", *rows, ""])]
+    table = ["| effect | what the ideal block lacks |", "|---|---|", *rows]
+    parts = ["\n".join(["::::{container} commands", *table, "::::", ""])]
     for name, (title, entries) in heads.items():
         lines = [f"({name.replace('_', '-')}-effect)=", f"## `{name}`", "", literal(title), ""]
         # A list of definitions.
