@@ -134,7 +134,7 @@ def test_after_kill_9_all_opens_and_the_same_command_goes_on_to_the_same_result(
     out, parts = tmp_path / "killed.nc", tmp_path / "killed.nc.parts"
     for chunks in (1, 4):
         child = subprocess.Popen(_command(toml, out), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        end = time.monotonic() + 120.0
+        end = time.monotonic() + 300.0  # compiling on a machine that others share
         while len(list(parts.glob("chunk-*.nc"))) < chunks and child.poll() is None and time.monotonic() < end:
             time.sleep(0.002)
         os.kill(child.pid, signal.SIGKILL)
