@@ -61,8 +61,8 @@ def read_model(path: Path) -> LoopModel:
         content = read_toml(path)
     except ValueError as error:
         raise ModelError(f"{error}; want a model.toml that the loop wrote") from None
-    _known(path, "file", content, TABLES)
     block, model = _table(path, content, "block"), _table(path, content, "model")
+    _known(path, "file", content, TABLES)
     _known(path, "model", model, MODEL_KEYS)
     sizes = {key: _number(path, f"block.{key}", value) for key, value in block.items()}
     try:

@@ -192,7 +192,7 @@ COMMANDS: dict[str, tuple[Any, ...]] = {
         "loop", ["predict", "{}/whole.nc", "{}/campaign", "--out", _NEW], "whole.nc: want TOML",
     ),
     "predict: a campaign for a model": (
-        "loop", ["predict", "{}/campaign/campaign.toml", "{}/campaign", "--out", _NEW], "file has no 'conditions'",
+        "loop", ["predict", "{}/campaign/campaign.toml", "{}/campaign", "--out", _NEW], r"has no table \[model\]",
     ),
     "predict: no campaign": ("loop", ["predict", "{}/model.toml", "{}/empty", "--out", _NEW], "is not there"),
     "trials: an effect that is none": ("trials", ["--effects", "gremlin", "--out", _NEW], "'gremlin': want some of"),
