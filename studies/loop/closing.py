@@ -21,7 +21,7 @@ from studies.loop.learning import LEARNED, learn
 from studies.loop.model import LoopModel
 from studies.loop.preparing import Setup, prepare
 from studies.loop.scoring import Errors, errors, leaning, median
-from studies.loop.settling import Settled, intervals, rms_under, settle, whole_fit
+from studies.loop.settling import Settled, intervals, predictable, rms_under, settle, whole_fit
 from studies.loop.spread import floor, variances
 from studies.loop.tracing import LEAST_GAIN, PAYS, Round, Trial, all_candidates, baseline, bic, pays, search
 from studies.loop.windows import SIDE, scored_window
@@ -40,6 +40,21 @@ NOTHING_LEFT = 1.02
 
 LEAST_OF_A_SCAN = 0.15
 """Share by which an effect that whole records alone show has to lower their rms: their sums of squares are rugged."""
+
+MISSED = 1.3
+"""Rms of whole records over their noise from which they are asked about effects that swings only hint at."""
+
+HINT = 6.0
+"""What such an effect lowers the criterion of the swings by, at the least: odds of exp(3)."""
+
+MOST_HINTS = 3
+"""So many of them are fitted to whole records."""
+
+NEIGHBOURS = 7
+"""Starts of such a fit."""
+
+MISSED_BY_FAR = 3.0
+"""Rms of whole records over their noise that cannot be called explained."""
 
 TWIN = 12.0
 """A rival whose criterion is within this of the best cannot be told apart: odds of exp(-6) or better."""
@@ -124,8 +139,11 @@ def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Tr
         if candidate.in_swings or candidate.effect in onto.effects:
             continue
         for start in candidate.starts:
-            model = whole.model.changed(start)
-            found = fit(setup.simulator, model, [], whole.windows, huber=10.0, iterations=2)
+            try:
+                model = whole.model.changed(start)
+                found = fit(setup.simulator, model, [], whole.windows, huber=10.0, iterations=2)
+            except ValueError:
+                break  # it does not go together with what is there already
             if best is None or found.chi2 < best[0]:
                 best = (found.chi2, candidate, dict(start))
     if best is None or whole.chi2 - best[0] < PAYS * max(1.0, best[0] / whole.samples):
@@ -137,6 +155,58 @@ def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Tr
     value = {p.name: ended.model.get(p.name) for p in candidate.parameters}
     swing = fit(setup.simulator, onto.swing.model.changed(value), onto.every, onto.swing.windows, iterations=3)
     return onto.with_(candidate, swing)
+
+
+def hints(onto: Trial, tried: Round) -> list[Trial]:
+    """The trials of a round that swings hint at, the strongest hints first."""
+    likely = [t for t in tried.trials if t.parts[-1].in_swings and bic(t.swing) < bic(onto.swing) - HINT]
+    return sorted(likely, key=lambda t: bic(t.swing))[:MOST_HINTS]
+
+
+def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round) -> tuple[Rival, ...]:
+    """Of the effects that swings only hint at, those that whole records confirm, the best first.
+
+    An effect may be too small for a swing and yet turn the end of a record.  Records are compared while they are
+    predictable, and one that is lost altogether counts less (Huber).
+    """
+    if whole.rms < MISSED:
+        return ()
+    windows = predictable(whole.windows)
+    without = fit(setup.simulator, whole.model, onto.every, windows, huber=10.0, iterations=8, central=True)
+    found = []
+    for trial in hints(onto, tried):
+        begun = [
+            fit(setup.simulator, model, trial.every, windows, huber=10.0, iterations=4, central=True)
+            for model in _neighbours(trial)
+        ]
+        nearest = min(begun, key=lambda f: f.chi2)
+        own = fit(
+            setup.simulator, nearest.model, trial.every, nearest.windows, huber=10.0, iterations=12, central=True
+        )  # fmt: skip
+        if own.chi2 < (1.0 - LEAST_OF_A_SCAN) ** 2 * without.chi2:
+            swing = fit(setup.simulator, own.model, onto.every, onto.swing.windows, iterations=3)
+            settled = onto.with_(trial.parts[-1], swing)
+            ended = whole_fit(setup, settled, whole)
+            held = errors(setup, ended.model, ended.windows).holdout
+            found.append(Rival(settled, ended, bic(own), bic(ended), held))
+    return tuple(sorted(found, key=lambda r: r.criterion))
+
+
+def _neighbours(trial: Trial) -> list[LoopModel]:
+    """Models up to two standard deviations from what the swings say of the last effect: whole records are rugged."""
+    swing, p = trial.swing, trial.parts[-1].parameters[0]
+    k = [q.name for q in swing.parameters].index(p.name)
+    value, sd = swing.model.get(p.name), math.sqrt(max(float(swing.covariance[k, k]), 0.0))
+    out = []
+    for share in np.linspace(-2.0, 2.0, NEIGHBOURS):
+        moved = min(max(value + float(share) * sd, p.low), p.high)
+        try:
+            model = swing.model.changed({p.name: moved})
+            model.system  # noqa: B018 - refuses what does not go together
+        except ValueError:
+            continue
+        out.append(model)
+    return out
 
 
 def close(campaign: Campaign, *, g: float | None = None, tell: Tell = lambda text: None) -> Finding:
@@ -155,16 +225,20 @@ def close(campaign: Campaign, *, g: float | None = None, tell: Tell = lambda tex
     setup = prepare(campaign, declared)
     tell("calibrating the ideal block")
     plain = baseline(setup.simulator, setup.start, setup.swings, gravity=g is None and setup.reads_gravity)
-    path, rounds, fits = _traced(setup, plain, tell)
+    path, rounds, fits, rivals = _traced(setup, plain, tell)
     tell("comparing rivals")
-    rivals = (
-        _rivals(setup, rounds[len(path) - 2], path[-1], fits[-1])
-        if len(path) > 1 and path[-1].parts[-1].in_swings
-        else ()
-    )
+    if not rivals and len(path) > 1 and path[-1].parts[-1].in_swings:
+        rivals = _rivals(setup, rounds[len(path) - 2], path[-1], fits[-1])
     if rivals:
         path[-1], fits[-1] = rivals[0].trial, rivals[0].whole
     chosen, verdict = _explained(setup, plain, path[-1], tell)
+    notes = list(setup.notes)
+    if verdict == "none" and setup.by_rotation and fits[-1].rms > MISSED_BY_FAR:
+        verdict = "unexplained"
+        notes.append(
+            f"single swings are explained down to their noise, whole records are missed by {fits[-1].rms:.1f} times "
+            "theirs: something acts that no swing shows and none of the effects tried explains"
+        )
     if chosen is not path[-1]:
         rivals, fits = (), [*fits, whole_fit(setup, chosen)]
     before, after = settle(setup, plain, fits[0]), settle(setup, chosen, fits[-1])
@@ -177,38 +251,45 @@ def close(campaign: Campaign, *, g: float | None = None, tell: Tell = lambda tex
     return Finding(
         setup, verdict, declared, models["before"], models["after"], before.whole, after.whole, chosen, rivals,
         _twins(rivals), tuple(rounds), all_errors, median(floors), intervals(chosen, after),
-        (*setup.notes, *_unseen(setup)), after,
+        (*notes, *_unseen(setup)), after,
     )  # fmt: skip
 
 
-def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[Round], list[Fit]]:
-    """The trials that were accepted one on top of the other, all rounds, and the fits on whole records."""
+def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[Round], list[Fit], tuple[Rival, ...]]:
+    """The trials that were accepted one on top of the other, all rounds, and the fits on whole records.
+
+    Besides, the rivals of the last one where whole records decided among them.
+    """
     pool = all_candidates(plain.swing.model)
     if not setup.by_rotation:
         pool = tuple(c for c in pool if c.effect not in OF_THE_ROTATION_SENSOR)
     path, rounds, fits = [plain], [], [whole_fit(setup, plain)]
+    rivals: tuple[Rival, ...] = ()
     for depth in range(MOST_EFFECTS):
         if depth > 1 and path[-1].swing.rms < NOTHING_LEFT:
             break
         tell(f"tracing, round {depth + 1}")
         tried = search(setup.simulator, path[-1], pool, tell)
+        confirmed: tuple[Rival, ...] = ()
         best = tried.best
         if best is None or not pays(path[-1].swing, best.swing):
             best = None
             if setup.by_rotation:
                 tell("scanning whole records")
-                best = scan(setup, path[-1], fits[-1], pool)
+                confirmed = hinted(setup, path[-1], fits[-1], tried)
+                best = confirmed[0].trial if confirmed else scan(setup, path[-1], fits[-1], pool)
                 tried.trials += [] if best is None else [best]
         rounds.append(tried)
         if best is None:
             break
         now = whole_fit(setup, best)
         least = LEAST_GAIN if best.parts[-1].in_swings else LEAST_OF_A_SCAN
-        if not now.rms < (1.0 - least) * rms_under(setup, fits[-1], now):
+        if not confirmed and not now.rms < (1.0 - least) * rms_under(setup, fits[-1], now):
             break
         path.append(best)
         fits.append(now)
-    return path, rounds, fits
+        rivals = confirmed
+    return path, rounds, fits, rivals
 
 
 def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Trial, Verdict]:

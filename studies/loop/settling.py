@@ -72,7 +72,8 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
     # Whole records of accelerometers hang too finely on when the side changes for a covariance to say how finely.
     fits = [trial.swing, *([_while_predictable(setup, trial, whole)] if setup.by_rotation else [])]
     fits = [f for f in fits if f.parameters and f.windows]
-    covariances = [robust_covariance(setup.simulator, setup.noisy, f) for f in fits]
+    # A fit that is worse than the noise has parameters that are less sure than the noise says.
+    covariances = [max(1.0, f.rms**2) * robust_covariance(setup.simulator, setup.noisy, f) for f in fits]
     scale = np.array([p.scale * (f_value if p.log else 1.0) for p, f_value in _at(parameters, whole.model)])
     total, weighted = np.zeros((len(names), len(names))), np.zeros(len(names))
     for found, covariance in zip(fits, covariances, strict=True):
