@@ -51,6 +51,10 @@ class Collector:
         """Note one numerical comparison; arrays count with their worst entry."""
         if self.current is None:
             return
+        if np.iscomplexobj(found) or np.iscomplexobj(wanted):
+            # Real and imaginary part, each with the same tolerance.
+            found, wanted = (np.stack([np.real(v), np.imag(v)], axis=-1) for v in (found, wanted))
+            allowed = np.asarray(allowed)[..., None]
         try:
             f, w, a = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (found, wanted, allowed)))
         except (TypeError, ValueError):
