@@ -103,7 +103,7 @@ class Clone:
         with self.log.open("w") as log:
             code = self._watched(command, log, stuck)
         text = self.log.read_text(errors="replace")
-        last = STARTED.findall(text)
+        last = [name.strip() for name in STARTED.findall(text)]  # one that did not end has a blank after it
         if code is None:
             return "timeout", last[-1] if last else tests[0]
         if code in (0, 5):  # 5: of the tests named none was left after -k and the marks
