@@ -90,7 +90,7 @@ def answer(block: Block, record: Record, restitution: float | None = None) -> An
         restitution: angular velocity after / before an impact [1], in place of Housner's.
 
     Raises:
-        ValueError: the restitution is out of range, the block is too stocky for Housner's, or the record is all zeros.
+        ValueError: the restitution is out of range, or the record is all zeros.
     """
     peak = float(np.max(np.abs(record.acceleration)))
     if peak == 0.0:

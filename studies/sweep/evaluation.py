@@ -74,7 +74,7 @@ def block_of(point: Point, depth: float) -> Block:
 
 
 def _settings(sweep: Sweep, point: Point, block: Block) -> Settings:
-    housner = block.housner_restitution
+    housner = max(block.housner_restitution, 0.0)  # below zero a block lands on both corners and stops
     restitution = None if point["restitution"] == 1.0 else point["restitution"] * housner
     run = sweep.run
     return Settings(friction=point["friction"], restitution=restitution, form=run["form"], solver=run["solver"])
@@ -130,7 +130,9 @@ def _analytic(sweep: Sweep, points: Sequence[Point], amplitudes: Sequence[float]
 def _fitted(restitution: float) -> tuple[float, str]:
     block = specimen(1)
     try:
-        return fit_dashpot(block, restitution * block.housner_restitution, kn=STIFFNESS, ks=STIFFNESS).damping, ""
+        return fit_dashpot(
+            block, restitution * max(block.housner_restitution, 0.0), kn=STIFFNESS, ks=STIFFNESS
+        ).damping, ""
     except ValueError as refusal:
         return math.nan, str(refusal)
 
