@@ -121,16 +121,18 @@ def main() -> None:
 
 def scene_rows(runs: int, short: float) -> list[list[object]]:
     """Everything but growth."""
-    column, wall, large = dem.column(3, B, H, D, DENSITY), dem.running_bond(10, 10), dem.running_bond(32, 31)
+    block, column = dem.single(B, H, D, DENSITY), dem.column(3, B, H, D, DENSITY)
+    wall, large = dem.running_bond(10, 10), dem.running_bond(32, 31)
     rows = [
-        time_dem("one block", dem.single(B, H, D, DENSITY), 60.0 * short, 0.25, runs),
+        time_dem("one block", block, 60.0 * short, 0.25, runs),
         time_dem("column of 3", column, 30.0 * short, 0.25, runs),
         time_dem("wall of 100", wall, 2.0 * short, 0.25, runs),
         time_dem("wall of 100", wall, 2.0 * short, 0.5, runs),
         time_dem("wall of 1000", large, 0.3, 0.5, runs),
         time_dem("wall of 1000", large, 0.3, 0.5, runs, workers=2),
     ]
-    for label, scene, t_end in (("column of 3", column, 5.0), ("wall of 100", wall, 0.5)):
+    peers = (("one block", block, 5.0), ("column of 3", column, 5.0), ("wall of 100", wall, 0.5))
+    for label, scene, t_end in (*peers, ("wall of 1000", large, 0.05)):
         rows += time_peers(label, scene, t_end * short)
     return rows
 

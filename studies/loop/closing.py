@@ -6,7 +6,7 @@ Status   campaigns with records of the response; `studies.loop.outcomes.closing`
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -14,16 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies.campaigns import Campaign
-from studies.loop.candidates import Candidate
-from studies.loop.fitting import Fit, fit
+from studies.loop.fitting import Fit
 from studies.loop.learned_curves import Curve, curves
 from studies.loop.learning import LEARNED, learn
 from studies.loop.model import LoopModel
 from studies.loop.preparing import Setup, prepare
+from studies.loop.rivals import Rival, near, twins
 from studies.loop.scoring import Errors, errors, leaning, median
-from studies.loop.settling import Settled, intervals, predictable, rms_under, settle, whole_fit
+from studies.loop.settling import Settled, intervals, rms_under, settle, whole_fit
 from studies.loop.spread import floor, variances
 from studies.loop.tracing import LEAST_GAIN, PAYS, Round, Trial, all_candidates, baseline, bic, pays, search
+from studies.loop.whole_records import LEAST_OF_A_SCAN, hinted, scan
 from studies.loop.windows import SIDE, scored_window
 
 Array = NDArray[np.float64]
@@ -38,29 +39,8 @@ MOST_EFFECTS = 3
 NOTHING_LEFT = 1.02
 """Rms over the noise in the swings below which no third effect is looked for."""
 
-LEAST_OF_A_SCAN = 0.15
-"""Share by which an effect that whole records alone show has to lower their rms: their sums of squares are rugged."""
-
-MISSED = 1.3
-"""Rms of whole records over their noise from which they are asked about effects that swings only hint at."""
-
-HINT = 6.0
-"""What such an effect lowers the criterion of the swings by, at the least: odds of exp(3)."""
-
-MOST_HINTS = 3
-"""So many of them are fitted to whole records."""
-
-NEIGHBOURS = 7
-"""Starts of such a fit."""
-
 MISSED_BY_FAR = 3.0
 """Rms of whole records over their noise that cannot be called explained."""
-
-TWIN = 12.0
-"""A rival whose criterion is within this of the best cannot be told apart: odds of exp(-6) or better."""
-
-NEAR_TWIN = 400.0
-"""Rivals within this after the search are fitted again to the end before they are ruled out."""
 
 STRUCTURE = 1.03
 """Rms in the swings over what the noise leaves of it from which structure is left: four of its standard deviations in
@@ -77,17 +57,6 @@ UNEXPLAINED_OF_ESTIMATED = 1.3
 
 
 OF_THE_ROTATION_SENSOR = ("rotation_gain", "rotation_offset")
-
-
-@dataclass(frozen=True)
-class Rival:
-    """A set of effects as it ended: fits, criterion and errors."""
-
-    trial: Trial
-    whole: Fit
-    criterion: float  # bic of the swings
-    whole_criterion: float
-    holdout: float  # median error over held-out tests [rad]
 
 
 @dataclass(frozen=True)
@@ -129,86 +98,6 @@ class Finding:
         return "rms of the accelerometers on the block, median over tests (no rotation was measured)"
 
 
-def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Trial | None:
-    """The best of the effects that whole records alone show, or None if it does not pay.
-
-    Such an effect acts at lift-off; its sum of squares is rugged, so that it is scanned over its range first.
-    """
-    best: tuple[float, Candidate, dict[str, float]] | None = None
-    for candidate in pool:
-        if candidate.in_swings or candidate.effect in onto.effects:
-            continue
-        for start in candidate.starts:
-            try:
-                model = whole.model.changed(start)
-                found = fit(setup.simulator, model, [], whole.windows, huber=10.0, iterations=2)
-            except ValueError:
-                break  # it does not go together with what is there already
-            if best is None or found.chi2 < best[0]:
-                best = (found.chi2, candidate, dict(start))
-    if best is None or whole.chi2 - best[0] < PAYS * max(1.0, best[0] / whole.samples):
-        return None
-    _, candidate, start = best
-    ended = fit(
-        setup.simulator, whole.model.changed(start), candidate.parameters, whole.windows, huber=10.0, iterations=8
-    )
-    value = {p.name: ended.model.get(p.name) for p in candidate.parameters}
-    swing = fit(setup.simulator, onto.swing.model.changed(value), onto.every, onto.swing.windows, iterations=3)
-    return onto.with_(candidate, swing)
-
-
-def hints(onto: Trial, tried: Round) -> list[Trial]:
-    """The trials of a round that swings hint at, the strongest hints first."""
-    likely = [t for t in tried.trials if t.parts[-1].in_swings and bic(t.swing) < bic(onto.swing) - HINT]
-    return sorted(likely, key=lambda t: bic(t.swing))[:MOST_HINTS]
-
-
-def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round) -> tuple[Rival, ...]:
-    """Of the effects that swings only hint at, those that whole records confirm, the best first.
-
-    An effect may be too small for a swing and yet turn the end of a record.  Records are compared while they are
-    predictable, and one that is lost altogether counts less (Huber).
-    """
-    if whole.rms < MISSED:
-        return ()
-    windows = predictable(whole.windows)
-    without = fit(setup.simulator, whole.model, onto.every, windows, huber=10.0, iterations=8, central=True)
-    found = []
-    for trial in hints(onto, tried):
-        begun = [
-            fit(setup.simulator, model, trial.every, windows, huber=10.0, iterations=4, central=True)
-            for model in _neighbours(trial)
-        ]
-        nearest = min(begun, key=lambda f: f.chi2)
-        own = fit(
-            setup.simulator, nearest.model, trial.every, nearest.windows, huber=10.0, iterations=12, central=True
-        )  # fmt: skip
-        if own.chi2 < (1.0 - LEAST_OF_A_SCAN) ** 2 * without.chi2:
-            swing = fit(setup.simulator, own.model, onto.every, onto.swing.windows, iterations=3)
-            settled = onto.with_(trial.parts[-1], swing)
-            ended = whole_fit(setup, settled, whole)
-            held = errors(setup, ended.model, ended.windows).holdout
-            found.append(Rival(settled, ended, bic(own), bic(ended), held))
-    return tuple(sorted(found, key=lambda r: r.criterion))
-
-
-def _neighbours(trial: Trial) -> list[LoopModel]:
-    """Models up to two standard deviations from what the swings say of the last effect: whole records are rugged."""
-    swing, p = trial.swing, trial.parts[-1].parameters[0]
-    k = [q.name for q in swing.parameters].index(p.name)
-    value, sd = swing.model.get(p.name), math.sqrt(max(float(swing.covariance[k, k]), 0.0))
-    out = []
-    for share in np.linspace(-2.0, 2.0, NEIGHBOURS):
-        moved = min(max(value + float(share) * sd, p.low), p.high)
-        try:
-            model = swing.model.changed({p.name: moved})
-            model.system  # noqa: B018 - refuses what does not go together
-        except ValueError:
-            continue
-        out.append(model)
-    return out
-
-
 def close(campaign: Campaign, *, g: float | None = None, tell: Tell = lambda text: None) -> Finding:
     """Close the loop on a campaign with records of the response.
 
@@ -227,12 +116,18 @@ def close(campaign: Campaign, *, g: float | None = None, tell: Tell = lambda tex
     plain = baseline(setup.simulator, setup.start, setup.swings, gravity=g is None and setup.reads_gravity)
     path, rounds, fits, rivals = _traced(setup, plain, tell)
     tell("comparing rivals")
+    hint = path[-1].names[-1] if rivals else ""
     if not rivals and len(path) > 1 and path[-1].parts[-1].in_swings:
-        rivals = _rivals(setup, rounds[len(path) - 2], path[-1], fits[-1])
+        rivals = near(setup, rounds[len(path) - 2], path[-1], fits[-1])
     if rivals:
         path[-1], fits[-1] = rivals[0].trial, rivals[0].whole
     chosen, verdict = _explained(setup, plain, path[-1], tell)
     notes = list(setup.notes)
+    if hint and hint in chosen.names:
+        notes.append(
+            f"single swings only hint at {hint}: whole records decided, as far as the noise of the base leaves them "
+            "predictable"
+        )
     if verdict == "none" and setup.by_rotation and fits[-1].rms > MISSED_BY_FAR:
         verdict = "unexplained"
         notes.append(
@@ -250,7 +145,7 @@ def close(campaign: Campaign, *, g: float | None = None, tell: Tell = lambda tex
     floors = [floor(w, v) for w, v in zip(scored, spread, strict=True)]
     return Finding(
         setup, verdict, declared, models["before"], models["after"], before.whole, after.whole, chosen, rivals,
-        _twins(rivals), tuple(rounds), all_errors, median(floors), intervals(chosen, after),
+        twins(rivals), tuple(rounds), all_errors, median(floors), intervals(chosen, after),
         (*notes, *_unseen(setup)), after,
     )  # fmt: skip
 
@@ -277,8 +172,11 @@ def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[R
             if setup.by_rotation:
                 tell("scanning whole records")
                 confirmed = hinted(setup, path[-1], fits[-1], tried)
-                best = confirmed[0].trial if confirmed else scan(setup, path[-1], fits[-1], pool)
-                tried.trials += [] if best is None else [best]
+                if confirmed:
+                    best = confirmed[0].trial
+                else:
+                    best = scan(setup, path[-1], fits[-1], pool)
+                    tried.trials += [] if best is None else [best]
         rounds.append(tried)
         if best is None:
             break
@@ -358,30 +256,3 @@ def _unseen(setup: Setup) -> tuple[str, ...]:
 def _lean_sds(setup: Setup) -> list[float]:
     # `theta_sd` is twice the standard deviation of the estimate.
     return [0.5 * w.theta_sd for w in setup.whole_held]
-
-
-def _rivals(setup: Setup, tried: Round, best: Trial, whole: Fit) -> tuple[Rival, ...]:
-    """The chosen trial and those of its round that come near, each fitted to the end; the best first."""
-    found = []
-    for trial in sorted(tried.trials, key=lambda t: bic(t.swing)):
-        if trial is not best and bic(trial.swing) - bic(best.swing) > NEAR_TWIN:
-            continue
-        ended = fit(
-            setup.simulator, trial.swing.model, trial.every, trial.swing.windows, iterations=20,
-            tolerance=1e-6,
-        )  # fmt: skip
-        settled = replace(trial, swing=ended if ended.chi2 <= trial.swing.chi2 else trial.swing)
-        own = whole_fit(setup, settled, whole)
-        held = errors(setup, own.model, own.windows).holdout
-        found.append(Rival(settled, own, bic(settled.swing), bic(own), held))
-    return tuple(sorted(found, key=lambda r: r.criterion))
-
-
-def _twins(rivals: Sequence[Rival]) -> tuple[tuple[str, ...], ...]:
-    """Sets that these data cannot tell apart."""
-    if len(rivals) < 2:
-        return ()
-    best = rivals[0]
-    near = [r for r in rivals if r.criterion - best.criterion < TWIN]
-    names = list(dict.fromkeys(r.trial.effects[-1] for r in near))
-    return (tuple(names),) if len(names) > 1 else ()

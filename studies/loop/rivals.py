@@ -1,0 +1,59 @@
+"""Sets of effects that explain nearly as much as the chosen one, each fitted to the end, and those that are its twins.
+
+Status   twins are named in campaigns where two effects are alike by theory (tests of trials)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from studies.loop.fitting import Fit, fit
+from studies.loop.preparing import Setup
+from studies.loop.scoring import errors
+from studies.loop.settling import whole_fit
+from studies.loop.tracing import Round, Trial, bic
+
+TWIN = 12.0
+"""A rival whose criterion is within this of the best cannot be told apart: odds of exp(-6) or better."""
+
+NEAR_TWIN = 400.0
+"""Rivals within this after the search are fitted again to the end before they are ruled out."""
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A set of effects as it ended: fits, criterion and errors."""
+
+    trial: Trial
+    whole: Fit
+    criterion: float  # bic of the swings
+    whole_criterion: float
+    holdout: float  # median error over held-out tests [rad]
+
+
+def near(setup: Setup, tried: Round, best: Trial, whole: Fit) -> tuple[Rival, ...]:
+    """The chosen trial and those of its round that come near, each fitted to the end; the best first."""
+    found = []
+    for trial in sorted(tried.trials, key=lambda t: bic(t.swing)):
+        if trial is not best and bic(trial.swing) - bic(best.swing) > NEAR_TWIN:
+            continue
+        ended = fit(
+            setup.simulator, trial.swing.model, trial.every, trial.swing.windows, iterations=20,
+            tolerance=1e-6,
+        )  # fmt: skip
+        settled = replace(trial, swing=ended if ended.chi2 <= trial.swing.chi2 else trial.swing)
+        own = whole_fit(setup, settled, whole)
+        held = errors(setup, own.model, own.windows).holdout
+        found.append(Rival(settled, own, bic(settled.swing), bic(own), held))
+    return tuple(sorted(found, key=lambda r: r.criterion))
+
+
+def twins(rivals: Sequence[Rival]) -> tuple[tuple[str, ...], ...]:
+    """Sets that these data cannot tell apart."""
+    if len(rivals) < 2:
+        return ()
+    best = rivals[0]
+    near = [r for r in rivals if r.criterion - best.criterion < TWIN]
+    names = list(dict.fromkeys(r.trial.effects[-1] for r in near))
+    return (tuple(names),) if len(names) > 1 else ()

@@ -1,0 +1,118 @@
+"""Effects that single swings do not show, or only hint at, looked for in whole records.
+
+Whole records are rugged: a small difference grows with every impact.  So they are asked only where swings say nothing,
+while they are predictable, and from several starts.
+
+Status   planted effects that swings only hint at are traced (studies/loop_trials.py)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from studies.loop.candidates import Candidate
+from studies.loop.fitting import Fit, fit
+from studies.loop.model import LoopModel
+from studies.loop.preparing import Setup
+from studies.loop.rivals import Rival
+from studies.loop.scoring import errors
+from studies.loop.settling import predictable, whole_fit
+from studies.loop.tracing import PAYS, Round, Trial, bic
+
+LEAST_OF_A_SCAN = 0.15
+"""Share by which an effect that whole records alone show has to lower their rms: their sums of squares are rugged."""
+
+MISSED = 1.3
+"""Rms of whole records over their noise from which they are asked about effects that swings only hint at."""
+
+HINT = 6.0
+"""What such an effect lowers the criterion of the swings by, at the least: odds of exp(3)."""
+
+MOST_HINTS = 3
+"""So many of them are fitted to whole records."""
+
+NEIGHBOURS = 7
+"""Starts of such a fit."""
+
+
+def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Trial | None:
+    """The best of the effects that whole records alone show, or None if it does not pay.
+
+    Such an effect acts at lift-off; its sum of squares is rugged, so that it is scanned over its range first.
+    """
+    best: tuple[float, Candidate, dict[str, float]] | None = None
+    for candidate in pool:
+        if candidate.in_swings or candidate.effect in onto.effects:
+            continue
+        for start in candidate.starts:
+            try:
+                model = whole.model.changed(start)
+                found = fit(setup.simulator, model, [], whole.windows, huber=10.0, iterations=2)
+            except ValueError:
+                break  # it does not go together with what is there already
+            if best is None or found.chi2 < best[0]:
+                best = (found.chi2, candidate, dict(start))
+    if best is None or whole.chi2 - best[0] < PAYS * max(1.0, best[0] / whole.samples):
+        return None
+    _, candidate, start = best
+    ended = fit(
+        setup.simulator, whole.model.changed(start), candidate.parameters, whole.windows, huber=10.0, iterations=8
+    )
+    value = {p.name: ended.model.get(p.name) for p in candidate.parameters}
+    swing = fit(setup.simulator, onto.swing.model.changed(value), onto.every, onto.swing.windows, iterations=3)
+    return onto.with_(candidate, swing)
+
+
+def hints(onto: Trial, tried: Round) -> list[Trial]:
+    """The trials of a round that swings hint at, the strongest hints first."""
+    likely = [t for t in tried.trials if t.parts[-1].in_swings and bic(t.swing) < bic(onto.swing) - HINT]
+    return sorted(likely, key=lambda t: bic(t.swing))[:MOST_HINTS]
+
+
+def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round) -> tuple[Rival, ...]:
+    """Of the effects that swings only hint at, those that whole records confirm, the best first.
+
+    An effect may be too small for a swing and yet turn the end of a record.  Records are compared while they are
+    predictable, and one that is lost altogether counts less (Huber).
+    """
+    if whole.rms < MISSED:
+        return ()
+    windows = predictable(whole.windows)
+    without = fit(setup.simulator, whole.model, onto.every, windows, huber=10.0, iterations=8, central=True)
+    found = []
+    for trial in hints(onto, tried):
+        begun = [
+            fit(setup.simulator, model, trial.every, windows, huber=10.0, iterations=4, central=True)
+            for model in _neighbours(trial)
+        ]
+        nearest = min(begun, key=lambda f: f.chi2)
+        own = fit(
+            setup.simulator, nearest.model, trial.every, nearest.windows, huber=10.0, iterations=12, central=True
+        )  # fmt: skip
+        if own.chi2 < (1.0 - LEAST_OF_A_SCAN) ** 2 * without.chi2:
+            swing = fit(setup.simulator, own.model, onto.every, onto.swing.windows, iterations=3)
+            settled = onto.with_(trial.parts[-1], swing)
+            ended = whole_fit(setup, settled, whole)
+            held = errors(setup, ended.model, ended.windows).holdout
+            found.append(Rival(settled, ended, bic(own), bic(ended), held))
+    return tuple(sorted(found, key=lambda r: r.criterion))
+
+
+def _neighbours(trial: Trial) -> list[LoopModel]:
+    """Models up to two standard deviations from what the swings say of the last effect: whole records are rugged."""
+    swing, p = trial.swing, trial.parts[-1].parameters[0]
+    k = [q.name for q in swing.parameters].index(p.name)
+    value, sd = swing.model.get(p.name), math.sqrt(max(float(swing.covariance[k, k]), 0.0))
+    out = []
+    for share in np.linspace(-2.0, 2.0, NEIGHBOURS):
+        moved = min(max(value + float(share) * sd, p.low), p.high)
+        try:
+            model = swing.model.changed({p.name: moved})
+            model.system  # noqa: B018 - refuses what does not go together
+        except ValueError:
+            continue
+        out.append(model)
+    return out
