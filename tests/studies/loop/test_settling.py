@@ -33,7 +33,7 @@ def test_a_record_is_believed_until_base_noise_outweighs_the_sensor() -> None:
 
 def test_a_record_without_base_noise_is_believed_whole_and_a_stump_is_left_out() -> None:
     assert predictable([window(0.0)])[0].times.size == 400
-    assert predictable([window(40.0)]) == []
+    assert predictable([window(60.0)]) == []
     assert predictable([window(0.0, FEWEST_SAMPLES - 1)]) == []
 
 
