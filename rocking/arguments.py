@@ -25,5 +25,5 @@ def check_kinds(system: Any, motion: Any, plural: str = "") -> None:
     """ValueError unless the system can be carried and the motion be asked for accelerations."""
     if not hasattr(system, "initial_state"):
         raise ValueError(f"system{plural}={system!r}: want a system, such as Method1(Block(b=0.3, h=1.8))")
-    if not hasattr(motion, "kernel"):
+    if not any(hasattr(motion, way) for way in ("kernel", "ramped_sine", "piecewise_linear")):
         raise ValueError(f"motion{plural}={motion!r}: want a motion as those of `excitation`, or None")

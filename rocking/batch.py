@@ -158,6 +158,11 @@ def solve_batch(
     positive("atol", atol, "SI units of the state")
     all_systems = _as_many("systems", systems, many)
     all_motions = _as_many("motions", Still() if motions is None else motions, many)
+    shapes = np.shape(theta), np.shape(omega)
+    if len(shapes[0]) == len(shapes[1]) == 1 and shapes[0] != shapes[1] and (1,) not in shapes:
+        raise ValueError(
+            f"theta, omega: shapes {shapes[0]}, {shapes[1]}, want one shape, or a number that serves all runs"
+        )
     tilts, speeds = _per_run("theta", theta, many), _per_run("omega", omega, many)
     if np.any(np.abs(tilts) >= 0.5 * math.pi):
         raise ValueError(f"theta={np.max(np.abs(tilts))!r} rad: want between -pi/2 and pi/2")

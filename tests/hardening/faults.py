@@ -44,9 +44,15 @@ def command(*arguments: str) -> list[str]:
 
 
 def started(arguments: list[str], **more: object) -> subprocess.Popen[str]:
-    """A command that runs by itself, in a group of its own."""
+    """A command that runs by itself, in a group of its own, and hears Ctrl-C even if the tests do not."""
     pipe = subprocess.PIPE
-    return subprocess.Popen(arguments, stdout=pipe, stderr=pipe, text=True, start_new_session=True, **more)  # type: ignore[call-overload, no-any-return]
+    return subprocess.Popen(  # type: ignore[call-overload, no-any-return]
+        arguments, stdout=pipe, stderr=pipe, text=True, start_new_session=True, preexec_fn=_hears, **more
+    )
+
+
+def _hears() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def wait_for(there: Callable[[], bool], child: subprocess.Popen[str], seconds: float = 240.0) -> None:

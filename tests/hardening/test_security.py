@@ -146,7 +146,9 @@ for name in {names!r}:
         bad_files.READERS[reader](make(folder))
     except ValueError as error:
         print(name, "|", error)
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+# Not ru_maxrss, which a child begins with that of its parent.
+status = Path("/proc/self/status").read_text().splitlines()
+print(next(line.split()[1] for line in status if line.startswith("VmHWM")))
 """
 
 
