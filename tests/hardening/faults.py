@@ -43,16 +43,17 @@ def command(*arguments: str) -> list[str]:
     return [sys.executable, "-m", *map(str, arguments)]
 
 
+# An interrupt that the tests ignore, as in a background, their children would ignore too.  Not by `preexec_fn`: that forks
+# a process in which JAX may have threads.
+HEARING = "import os, signal, sys; signal.signal(signal.SIGINT, signal.SIG_DFL); os.execv(sys.argv[1], sys.argv[1:])"
+
+
 def started(arguments: list[str], **more: object) -> subprocess.Popen[str]:
     """A command that runs by itself, in a group of its own, and hears Ctrl-C even if the tests do not."""
     pipe = subprocess.PIPE
     return subprocess.Popen(  # type: ignore[call-overload, no-any-return]
-        arguments, stdout=pipe, stderr=pipe, text=True, start_new_session=True, preexec_fn=_hears, **more
+        [sys.executable, "-c", HEARING, *arguments], stdout=pipe, stderr=pipe, text=True, start_new_session=True, **more
     )
-
-
-def _hears() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def wait_for(there: Callable[[], bool], child: subprocess.Popen[str], seconds: float = 240.0) -> None:
