@@ -43,8 +43,8 @@ def command(*arguments: str) -> list[str]:
     return [sys.executable, "-m", *map(str, arguments)]
 
 
-# An interrupt that the tests ignore, as in a background, their children would ignore too.  Not by `preexec_fn`: that forks
-# a process in which JAX may have threads.
+# An interrupt that the tests ignore, as in a background, their children would ignore too.  Not by `preexec_fn`: that
+# forks a process in which JAX may have threads.
 HEARING = "import os, signal, sys; signal.signal(signal.SIGINT, signal.SIG_DFL); os.execv(sys.argv[1], sys.argv[1:])"
 
 
