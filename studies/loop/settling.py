@@ -70,8 +70,8 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
     parameters = trial.every
     names = tuple(p.name for p in parameters)
     # Whole records of accelerometers hang too finely on when the side changes for a covariance to say how finely.
-    fits = [trial.swing, *([_while_predictable(setup, trial, whole)] if setup.by_rotation else [])]
-    fits = [f for f in fits if f.parameters and f.windows]
+    told = _while_predictable(setup, trial, whole) if setup.by_rotation else None
+    fits = [f for f in (trial.swing, told) if f is not None and f.parameters]
     # A fit that is worse than the noise has parameters that are less sure than the noise says.
     covariances = [max(1.0, f.rms**2) * robust_covariance(setup.simulator, setup.noisy, f) for f in fits]
     scale = np.array([p.scale * (f_value if p.log else 1.0) for p, f_value in _at(parameters, whole.model)])
@@ -120,11 +120,13 @@ def predictable(windows: Sequence[Window]) -> list[Window]:
     return out
 
 
-def _while_predictable(setup: Setup, trial: Trial, whole: Fit) -> Fit:
-    """The parameters fitted to what is predictable of whole records, from either estimate; the better of both."""
-    fits = []
+def _while_predictable(setup: Setup, trial: Trial, whole: Fit) -> Fit | None:
+    """The parameters fitted to what is predictable of whole records, from either estimate; None if none is."""
+    windows, fits = predictable(whole.windows), []
+    if not windows:
+        return None
     for model in (whole.model, trial.swing.model):
-        leans = fit(setup.simulator, model, [], predictable(whole.windows), huber=10.0, iterations=4, central=True)
+        leans = fit(setup.simulator, model, [], windows, huber=10.0, iterations=4, central=True)
         fits.append(fit(setup.simulator, model, trial.every, leans.windows, huber=10.0, iterations=12, central=True))
     return min(fits, key=lambda f: f.chi2)
 

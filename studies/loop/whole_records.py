@@ -78,9 +78,9 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round) -> tuple[Rival, 
     An effect may be too small for a swing and yet turn the end of a record.  Records are compared while they are
     predictable, and one that is lost altogether counts less (Huber).
     """
-    if whole.rms < MISSED:
-        return ()
     windows = predictable(whole.windows)
+    if whole.rms < MISSED or not windows:
+        return ()
     without = fit(setup.simulator, whole.model, onto.every, windows, huber=10.0, iterations=8, central=True)
     found = []
     for trial in hints(onto, tried):
@@ -88,6 +88,8 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round) -> tuple[Rival, 
             fit(setup.simulator, model, trial.every, windows, huber=10.0, iterations=4, central=True)
             for model in _neighbours(trial)
         ]
+        if not begun:
+            continue
         nearest = min(begun, key=lambda f: f.chi2)
         own = fit(
             setup.simulator, nearest.model, trial.every, nearest.windows, huber=10.0, iterations=12, central=True
