@@ -6,17 +6,30 @@ Status   interrupted while loading (tests); the exit status is that of SIGINT, 1
 
 from __future__ import annotations
 
+import os
+import signal
 import sys
-from types import TracebackType
+import threading
+from types import FrameType
 
 
-def said(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
-    """An exception that nobody caught."""
-    if issubclass(kind, KeyboardInterrupt):
-        print("interrupted: nothing was written", file=sys.stderr)
-    else:
-        sys.__excepthook__(kind, error, trace)
+def _stop(number: int, frame: FrameType | None) -> None:
+    """End at once: a library in the middle of its loading may make an ImportError of a KeyboardInterrupt."""
+    os.write(2, b"interrupted: nothing was written\n")
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    os.kill(os.getpid(), signal.SIGINT)
 
 
-if sys.argv[:1] == ["-m"]:
-    sys.excepthook = said
+def loaded() -> None:
+    """What is to run is there: from here on Ctrl-C is a KeyboardInterrupt again, which it can clear up after."""
+    if signal.getsignal(signal.SIGINT) is _stop:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+# Where the interrupt is ignored, as in a shell's background, or is somebody else's, it stays so.
+if (
+    sys.argv[:1] == ["-m"]
+    and threading.current_thread() is threading.main_thread()
+    and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+):
+    signal.signal(signal.SIGINT, _stop)

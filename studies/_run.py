@@ -27,6 +27,8 @@ from typing import Any
 import netCDF4
 import xarray as xr
 
+from studies._early import loaded
+
 DEFAULT_OUT = Path("build") / "studies"
 """Where figures go unless --out says otherwise."""
 
@@ -299,6 +301,7 @@ def run(main: Callable[[list[str]], object], interrupted: str = "nothing was wri
         main: what is run.
         interrupted: what is said of the files after Ctrl-C and after a full disk.
     """
+    loaded()
     try:
         main(sys.argv[1:])
         sys.stdout.flush()

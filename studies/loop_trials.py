@@ -31,7 +31,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from studies import _run
+from studies import _early, _run
 from studies._lock import alone
 from studies.laboratory.campaign import NUISANCES, make_campaign
 from studies.laboratory.effects import NAMED, UNNAMED
@@ -265,6 +265,7 @@ def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
 def main(given: Sequence[str] | None = None) -> int:
     """Run the command; 2 where something is wrong with what it was given, 1 if it cannot be written, 130 on Ctrl-C."""
     kept = "campaigns that were closed are kept, the same command goes on"
+    _early.loaded()
     _stopped.clear()
     try:
         return _run_trials(arguments(given))

@@ -18,7 +18,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from studies import _run
+from studies import _early, _run
 from studies._lock import alone
 from studies.campaigns import Campaign, CampaignError, read
 from studies.loop.closing import STANDARD_GRAVITY, close
@@ -114,6 +114,7 @@ def _predict(arguments: argparse.Namespace) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; 0 if it did, 2 where something is wrong with what it was given, 1 if it cannot be written."""
+    _early.loaded()
     given = list(sys.argv[1:] if arguments is None else arguments)
     predicting = given[:1] == ["predict"]
     parser = argparse.ArgumentParser(
