@@ -10,10 +10,11 @@ import argparse
 import time
 from pathlib import Path
 
-from studies import _run
-from studies.index_page import write_index
-from studies.registry import studies
-from studies.study import Study, make
+from studies.running.command_line import add_common_arguments, one_of, run
+from studies.running.files import NO_ROOM, BadInputError, writable_folder
+from studies.running.index_page import write_index
+from studies.running.registry import studies
+from studies.running.study import Study, make
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -25,7 +26,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("word", nargs="?", choices=["all", "list"], default="list", help="what to do (default: list)")
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="make these alone")
     parser.add_argument("--workers", type=int, metavar="N", help="runs side by side (default: as many as cores)")
-    _run.add_common_arguments(parser)
+    add_common_arguments(parser)
     return parser
 
 
@@ -47,7 +48,7 @@ def make_all(chosen: dict[str, Study], arguments: argparse.Namespace) -> dict[st
         try:
             make(study, _options(arguments))
         except OSError as error:
-            if error.errno in _run.NO_ROOM:  # what comes after could not be kept either
+            if error.errno in NO_ROOM:  # what comes after could not be kept either
                 raise
             failed[name] = f"{type(error).__name__}: {error}"
             print(f"failed: {failed[name]}", flush=True)
@@ -72,14 +73,14 @@ def main(argv: list[str]) -> None:
             print(f"{name:{width}s}  {study.title}")
         return
     for name in arguments.only:
-        _run.one_of("--only", [name], tuple(found))
-    folder: Path = _run.writable_folder(arguments.out)
+        one_of("--only", [name], tuple(found))
+    folder: Path = writable_folder(arguments.out)
     chosen = {name: study for name, study in found.items() if not arguments.only or name in arguments.only}
     failed = make_all(chosen, arguments)
     print("wrote", write_index(folder, found))
     if failed:
-        raise _run.BadInputError(f"{len(failed)} of {len(chosen)} studies failed: {', '.join(failed)}")
+        raise BadInputError(f"{len(failed)} of {len(chosen)} studies failed: {', '.join(failed)}")
 
 
 if __name__ == "__main__":
-    _run.run(main, "finished runs are kept, the same command goes on from there")
+    run(main, "finished runs are kept, the same command goes on from there")

@@ -17,7 +17,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from studies._run import DEFAULT_OUT, load_dataset
+from studies.running.command_line import DEFAULT_OUT
+from studies.running.files import load_dataset
 
 PLAIN = {"m s-2": "m/s²", "m s-1": "m/s", "rad s-1": "rad/s", "kg m2": "kg m²", "N m-1": "N/m", "1": "–"}
 """Units as CF writes them, and as a figure should."""

@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from studies import _run
+from studies.running.command_line import positive, run
+from studies.running.files import load_dataset
 
 PASSING = ("commit", "command", "inputs", "source", "history")
 """Attributes that may differ without anything having moved."""
@@ -126,8 +127,8 @@ def main(argv: list[str]) -> None:
     parser.add_argument("b", type=Path, metavar="B.nc", help="dataset after")
     parser.add_argument("--rtol", type=float, default=1e-9, help="relative change that counts (default: %(default)s)")
     arguments = parser.parse_args(argv)
-    _run.positive("--rtol", arguments.rtol, zero=True)
-    pair = [_run.load_dataset(path) for path in (arguments.a, arguments.b)]
+    positive("--rtol", arguments.rtol, zero=True)
+    pair = [load_dataset(path) for path in (arguments.a, arguments.b)]
     rows, notes = compared(pair[0], pair[1], arguments.rtol)
     print("\n".join([*notes, *map(_line, rows)]))
     if any(row.moved or row.note for row in rows) or not rows:
@@ -135,4 +136,4 @@ def main(argv: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    _run.run(main)
+    run(main)

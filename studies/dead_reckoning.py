@@ -31,15 +31,15 @@ from numpy.typing import NDArray
 from excitation import RampedSinusoid
 from rocking import Method1, solve
 from rocking.instruments import accelerometer, marker
-from studies._plot import caption, new_figure
-from studies.claims_bounds import CLAIMS
-from studies.claims_table import Finding, listed, table
-from studies.columns import G
-from studies.free_vibration import RELEASE
-from studies.labelled import PAPER, gathered, names_axis
-from studies.parts import Parts
+from studies.claims.bounds import CLAIMS
+from studies.claims.table import Finding, listed, table
+from studies.criteria.columns import G
+from studies.criteria.free_vibration import RELEASE
+from studies.running.labelled import PAPER, gathered, names_axis
+from studies.running.parts import Parts
+from studies.running.plot import caption, new_figure
+from studies.running.study import Study
 from studies.specimens import specimen
-from studies.study import Study
 
 Array = NDArray[np.float64]
 

@@ -18,13 +18,13 @@ from matplotlib.figure import Figure
 
 import dem
 from rocking import Method1, solve
-from studies._plot import caption, new_figure
-from studies.claims_table import Claim, Finding, listed, table
-from studies.free_vibration import scene_of
-from studies.overturning import STIFFNESS
-from studies.parts import Parts, Result
+from studies.claims.table import Claim, Finding, listed, table
+from studies.criteria.free_vibration import scene_of
+from studies.criteria.overturning import STIFFNESS
+from studies.running.parts import Parts, Result
+from studies.running.plot import caption, new_figure
+from studies.running.study import Study
 from studies.specimens import specimen
-from studies.study import Study
 
 BLOCK, RELEASE, T_END = 3, 0.12, 1.5
 """Number in Table 1; tilt at release [rad]; end [s]."""

@@ -19,16 +19,16 @@ from matplotlib.figure import Figure
 
 import dem
 from excitation import KanaiTajimi, scaled_to
-from studies import _run
-from studies._plot import caption, new_figure
-from studies.claims_bounds import CLAIMS
-from studies.claims_table import Finding, listed, table
-from studies.columns import COLUMN_BLOCK, G, fitted_dashpot
-from studies.labelled import PAPER, names_axis
-from studies.overturning import STIFFNESS
-from studies.parts import Parts
+from studies.claims.bounds import CLAIMS
+from studies.claims.table import Finding, listed, table
+from studies.criteria.columns import COLUMN_BLOCK, G, fitted_dashpot
+from studies.criteria.overturning import STIFFNESS
+from studies.running.command_line import positive
+from studies.running.labelled import PAPER, names_axis
+from studies.running.parts import Parts
+from studies.running.plot import caption, new_figure
+from studies.running.study import Study
 from studies.specimens import specimen
-from studies.study import Study
 
 SCENES = {"one block": 1, "column of two": 2}
 """Number of blocks that make the outline of 15 x 100 cm."""
@@ -184,7 +184,7 @@ def plan_of(options: argparse.Namespace) -> Plan:
     Raises:
         BadInputError: an option's value is not one that it can have.
     """
-    _run.positive("--friction", options.friction, zero=True)
+    positive("--friction", options.friction, zero=True)
     full = Plan(friction=options.friction)
     return Plan(full.peaks[2::3], 1, options.friction) if options.quick else full
 

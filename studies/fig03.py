@@ -12,12 +12,12 @@ import argparse
 import xarray as xr
 from matplotlib.figure import Figure
 
-from studies import record_figures
-from studies.claims_bounds import CLAIMS
-from studies.claims_table import Finding, listed, table
-from studies.columns import ColumnSettings
-from studies.parts import Parts
-from studies.study import Study
+from studies.claims.bounds import CLAIMS
+from studies.claims.table import Finding, listed, table
+from studies.criteria.columns import ColumnSettings
+from studies.families import records as record_figures
+from studies.running.parts import Parts
+from studies.running.study import Study
 
 
 def plan_of(options: argparse.Namespace) -> record_figures.RecordPlan:

@@ -16,13 +16,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 import dem
-from studies._plot import caption, new_figure
 from studies.animation.frames import FILLS, GROUND, LINE
-from studies.claims_table import Finding, table
-from studies.drop_test import INTERVAL, DropPlan, arguments, drop_of, plan_of
-from studies.parts import Parts, Result
-from studies.preliminary_bounds import CLAIMS
-from studies.study import Study
+from studies.claims.preliminary_bounds import CLAIMS
+from studies.claims.table import Finding, table
+from studies.families.drop_test import INTERVAL, DropPlan, arguments, drop_of, plan_of
+from studies.running.parts import Parts, Result
+from studies.running.plot import caption, new_figure
+from studies.running.study import Study
 
 REBOUNDS = 3
 """Rebounds that are shown; the check looks at all within 2 s."""

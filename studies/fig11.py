@@ -12,13 +12,13 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from studies import drop_test
-from studies._plot import COLOURS, caption, new_figure
-from studies.claims_table import Finding, table
-from studies.drop_test import DropPlan, rms
-from studies.parts import Parts
-from studies.preliminary_bounds import CLAIMS
-from studies.study import Study
+from studies.claims.preliminary_bounds import CLAIMS
+from studies.claims.table import Finding, table
+from studies.families import drop_test
+from studies.families.drop_test import DropPlan, rms
+from studies.running.parts import Parts
+from studies.running.plot import COLOURS, caption, new_figure
+from studies.running.study import Study
 
 
 def dataset(plan: DropPlan, parts: Parts) -> xr.Dataset:

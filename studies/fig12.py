@@ -17,13 +17,13 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.drop import largest_step_as_good
-from studies import drop_test
-from studies._plot import caption, new_figure
-from studies.claims_table import Finding, listed, table
-from studies.drop_test import DropPlan, rms
-from studies.parts import Parts
-from studies.preliminary_bounds import CLAIMS
-from studies.study import Study
+from studies.claims.preliminary_bounds import CLAIMS
+from studies.claims.table import Finding, listed, table
+from studies.families import drop_test
+from studies.families.drop_test import DropPlan, rms
+from studies.running.parts import Parts
+from studies.running.plot import caption, new_figure
+from studies.running.study import Study
 
 LOST = 3.3e-6
 """Beyond this step [s] stability seems to be lost, by the paper."""

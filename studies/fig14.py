@@ -10,11 +10,11 @@ from __future__ import annotations
 import xarray as xr
 from matplotlib.figure import Figure
 
-from studies import onset_figures
-from studies.claims_bounds import CLAIMS
-from studies.claims_table import Finding, listed, table
-from studies.parts import Parts
-from studies.study import Study
+from studies.claims.bounds import CLAIMS
+from studies.claims.table import Finding, listed, table
+from studies.families import onset as onset_figures
+from studies.running.parts import Parts
+from studies.running.study import Study
 
 BLOCKS = (1, 2, 3, 4)
 

@@ -23,16 +23,16 @@ from rocking.effects.base_tilt import BaseTilt
 from rocking.effects.rounded_edges import RoundedEdges
 from rocking.effects.table_pitch import TablePitch
 from rocking.effects.vertical_motion import VerticalMotion
-from studies import onset_figures
-from studies._plot import caption, new_figure
-from studies.claims_bounds import CLAIMS
-from studies.claims_table import Finding, listed, table
-from studies.labelled import gathered, names_axis
-from studies.onset_figures import BLOCK_COLOURS, STYLES, OnsetPlan
-from studies.parts import Parts
-from studies.rocking_onset import OnsetJob, OnsetSettings, onset
+from studies.claims.bounds import CLAIMS
+from studies.claims.table import Finding, listed, table
+from studies.criteria.rocking_onset import OnsetJob, OnsetSettings, onset
+from studies.families import onset as onset_figures
+from studies.families.onset import BLOCK_COLOURS, STYLES, OnsetPlan
+from studies.running.labelled import gathered, names_axis
+from studies.running.parts import Parts
+from studies.running.plot import caption, new_figure
+from studies.running.study import Study
 from studies.specimens import specimen
-from studies.study import Study
 
 BLOCKS = (3, 5, 6, 7)
 

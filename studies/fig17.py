@@ -11,11 +11,11 @@ from __future__ import annotations
 import xarray as xr
 from matplotlib.figure import Figure
 
-from studies import column_runs
 from studies.animation.frames import frames
-from studies.claims_table import table
-from studies.columns import Column
-from studies.study import Study
+from studies.claims.table import table
+from studies.criteria import column_runs
+from studies.criteria.columns import Column
+from studies.running.study import Study
 
 COLUMN = Column(2)
 

@@ -10,11 +10,11 @@ from __future__ import annotations
 import xarray as xr
 from matplotlib.figure import Figure
 
-from studies import columns_figures
-from studies.claims_table import table
-from studies.columns import Column
-from studies.parts import Parts
-from studies.study import Study
+from studies.claims.table import table
+from studies.criteria.columns import Column
+from studies.families import columns as columns_figures
+from studies.running.parts import Parts
+from studies.running.study import Study
 
 COLUMNS = (Column(2),)
 

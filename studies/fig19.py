@@ -11,12 +11,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from studies import columns_figures
-from studies.claims_bounds import CLAIMS
-from studies.claims_table import Finding, listed, table
-from studies.columns import Column
-from studies.parts import Parts
-from studies.study import Study
+from studies.claims.bounds import CLAIMS
+from studies.claims.table import Finding, listed, table
+from studies.criteria.columns import Column
+from studies.families import columns as columns_figures
+from studies.running.parts import Parts
+from studies.running.study import Study
 
 COLUMNS = (Column(2), Column(2, 0.0))
 

@@ -16,16 +16,16 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from studies import column_runs
-from studies._plot import caption, new_figure
-from studies.claims_bounds import CLAIMS
-from studies.claims_table import Finding, listed, table
-from studies.columns import Column, ColumnJob, G, criterion
-from studies.columns_figures import LABELS
-from studies.labelled import FREQUENCIES, QUICK_FREQUENCIES, frequency_axis, gathered
-from studies.parts import Parts
+from studies.claims.bounds import CLAIMS
+from studies.claims.table import Finding, listed, table
+from studies.criteria import column_runs
+from studies.criteria.columns import Column, ColumnJob, G, criterion
+from studies.families.columns import LABELS
+from studies.running.labelled import FREQUENCIES, QUICK_FREQUENCIES, frequency_axis, gathered
+from studies.running.parts import Parts
+from studies.running.plot import caption, new_figure
+from studies.running.study import Study
 from studies.specimens import specimen
-from studies.study import Study
 
 COLUMN = Column(2)
 

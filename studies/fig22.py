@@ -13,12 +13,12 @@ import math
 import xarray as xr
 from matplotlib.figure import Figure
 
-from studies import column_runs
 from studies.animation.frames import frames
-from studies.claims_bounds import CLAIMS
-from studies.claims_table import Finding, listed, table
-from studies.columns import Column
-from studies.study import Study
+from studies.claims.bounds import CLAIMS
+from studies.claims.table import Finding, listed, table
+from studies.criteria import column_runs
+from studies.criteria.columns import Column
+from studies.running.study import Study
 
 COLUMN = Column(3)
 

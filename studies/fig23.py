@@ -10,13 +10,13 @@ from __future__ import annotations
 import xarray as xr
 from matplotlib.figure import Figure
 
-from studies import columns_figures
-from studies.claims_bounds import CLAIMS
-from studies.claims_table import Finding, table
-from studies.columns import COLUMN_BLOCK, Column, G
-from studies.parts import Parts
+from studies.claims.bounds import CLAIMS
+from studies.claims.table import Finding, table
+from studies.criteria.columns import COLUMN_BLOCK, Column, G
+from studies.families import columns as columns_figures
+from studies.running.parts import Parts
+from studies.running.study import Study
 from studies.specimens import specimen
-from studies.study import Study
 
 COLUMNS = (Column(3),)
 

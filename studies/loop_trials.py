@@ -31,14 +31,16 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from studies import _early, _run
-from studies._lock import alone
+from studies import _early
 from studies.laboratory.campaign import NUISANCES, make_campaign
 from studies.laboratory.effects import NAMED, UNNAMED
 from studies.laboratory.judge import judge
 from studies.laboratory.outcomes import make_outcomes
 from studies.laboratory.parameters import G
 from studies.laboratory.truth import Truth, read_truth
+from studies.running.command_line import said_of
+from studies.running.files import BadInputError, save_text, writable_folder, write_whole
+from studies.running.lock import alone
 
 OUT = Path("build/studies/loop_trials")
 QUICK = ("null", "quadratic_drag")
@@ -135,7 +137,7 @@ def _kept(case: Case, folder: Path) -> dict[str, Any] | None:
     of = found["nuisances"] if whole and "nuisances" in found else _nuisances_of(folder)
     wanted = sorted(case.nuisances)
     if of is not None and of != wanted:
-        raise _run.BadInputError(f"{folder}: holds a campaign with nuisances {of}, not {wanted}; want another --out")
+        raise BadInputError(f"{folder}: holds a campaign with nuisances {of}, not {wanted}; want another --out")
     return found if whole else None
 
 
@@ -163,7 +165,7 @@ def _closed(case: Case, folder: Path, command: Sequence[str]) -> dict[str, Any]:
     except (RuntimeError, ValueError, OSError, KeyError) as error:
         row["failed"] = f"{type(error).__name__}: {error}"
         return row
-    _run.save_text(json.dumps(row), kept)
+    save_text(json.dumps(row), kept)
     return row
 
 
@@ -223,7 +225,7 @@ def report(rows: Sequence[dict[str, Any]], path: Path) -> None:
             writer.writeheader()
             writer.writerows({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in r.items()} for r in rows)
 
-    _run.write_whole(path, write)
+    write_whole(path, write)
 
 
 def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
@@ -269,11 +271,11 @@ def main(given: Sequence[str] | None = None) -> int:
     _stopped.clear()
     try:
         return _run_trials(arguments(given))
-    except _run.BadInputError as error:
+    except BadInputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     except OSError as error:
-        print(f"error: {_run.said_of(error, kept)}", file=sys.stderr)
+        print(f"error: {said_of(error, kept)}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print(f"interrupted: {kept}", file=sys.stderr)
@@ -281,11 +283,11 @@ def main(given: Sequence[str] | None = None) -> int:
 
 
 def _run_trials(options: argparse.Namespace) -> int:
-    _run.writable_folder(options.out)
+    writable_folder(options.out)
     table: Path = options.csv or options.out / "loop_trials.csv"
     if table.is_dir():
-        raise _run.BadInputError(f"--csv {table}: want a file")
-    _run.writable_folder(table.parent)
+        raise BadInputError(f"--csv {table}: want a file")
+    writable_folder(table.parent)
     cases = [
         Case(
             () if e == "null" else tuple(e.split("+")), options.first_seed + k,

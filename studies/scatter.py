@@ -20,16 +20,17 @@ from matplotlib.figure import Figure
 
 from rocking import Method2, Mode, solve
 from rocking.instruments import marker
-from studies import _run
-from studies._plot import COLOURS, caption, new_figure
-from studies.claims_bounds import CLAIMS
-from studies.claims_table import Finding, listed, table
-from studies.columns import Column, ColumnJob, ColumnSettings, G, criterion
-from studies.labelled import FREQUENCIES, QUICK_FREQUENCIES, frequency_axis, gathered, names_axis
-from studies.overturning import METHOD_LABELS, Settings, overturning
-from studies.parts import Parts
+from studies.claims.bounds import CLAIMS
+from studies.claims.table import Finding, listed, table
+from studies.criteria.columns import Column, ColumnJob, ColumnSettings, G, criterion
+from studies.criteria.overturning import METHOD_LABELS, Settings, overturning
+from studies.running.command_line import positive
+from studies.running.files import BadInputError
+from studies.running.labelled import FREQUENCIES, QUICK_FREQUENCIES, frequency_axis, gathered, names_axis
+from studies.running.parts import Parts
+from studies.running.plot import COLOURS, caption, new_figure
+from studies.running.study import Study
 from studies.specimens import specimen
-from studies.study import Study
 
 BLOCK = 3
 METHODS = ("method1", "method2", "dem")
@@ -223,10 +224,10 @@ def plan_of(options: argparse.Namespace) -> Plan:
     Raises:
         BadInputError: an option's value is not one that it can have.
     """
-    _run.positive("--ramp", options.ramp)
-    _run.positive("--friction", options.friction, zero=True)
+    positive("--ramp", options.ramp)
+    positive("--friction", options.friction, zero=True)
     if options.friction >= 4.0 / 3.0:
-        raise _run.BadInputError(f"--friction {options.friction:g}: want below 4/3 with Method 2 (a corner may jam)")
+        raise BadInputError(f"--friction {options.friction:g}: want below 4/3 with Method 2 (a corner may jam)")
     settings = Settings(ramp=options.ramp * G, friction=options.friction)
     if options.quick:
         return Plan(QUICK_FREQUENCIES, 3, Settings(ramp=options.ramp * G, friction=options.friction, duration=30.0))

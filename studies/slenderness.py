@@ -18,16 +18,17 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from rocking import solve
-from studies import _run
-from studies._plot import caption, new_figure
-from studies.claims_bounds import CLAIMS
-from studies.claims_table import Finding, listed, table
-from studies.columns import G
-from studies.labelled import block_axis, frequency_axis, gathered, names_axis
-from studies.overturning import METHOD_LABELS, Settings, system_of
-from studies.parts import Parts
+from studies.claims.bounds import CLAIMS
+from studies.claims.table import Finding, listed, table
+from studies.criteria.columns import G
+from studies.criteria.overturning import METHOD_LABELS, Settings, system_of
+from studies.running.command_line import positive
+from studies.running.files import BadInputError
+from studies.running.labelled import block_axis, frequency_axis, gathered, names_axis
+from studies.running.parts import Parts
+from studies.running.plot import caption, new_figure
+from studies.running.study import Study
 from studies.specimens import specimen
-from studies.study import Study
 
 BLOCKS = (3, 5, 6, 7)
 METHODS = ("method1", "method2")
@@ -145,9 +146,9 @@ def plan_of(options: argparse.Namespace) -> Plan:
     Raises:
         BadInputError: an option's value is not one that it can have.
     """
-    _run.positive("--friction", options.friction, zero=True)
+    positive("--friction", options.friction, zero=True)
     if options.friction >= 4.0 / 3.0:
-        raise _run.BadInputError(f"--friction {options.friction:g}: want below 4/3 with Method 2 (a corner may jam)")
+        raise BadInputError(f"--friction {options.friction:g}: want below 4/3 with Method 2 (a corner may jam)")
     plan = Plan()
     plan = replace(plan, settings=replace(plan.settings, friction=options.friction))
     if options.quick:

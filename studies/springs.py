@@ -19,15 +19,15 @@ from matplotlib.figure import Figure
 import dem
 from rocking import Method1, solve
 from rocking.effects.compliant_base import CompliantBase
-from studies._plot import caption, new_figure
-from studies.claims_bounds import CLAIMS
-from studies.claims_table import Finding, listed, table
-from studies.free_vibration import FRICTION, RELEASE, scene_of
-from studies.labelled import PAPER
-from studies.overturning import STIFFNESS
-from studies.parts import Parts
+from studies.claims.bounds import CLAIMS
+from studies.claims.table import Finding, listed, table
+from studies.criteria.free_vibration import FRICTION, RELEASE, scene_of
+from studies.criteria.overturning import STIFFNESS
+from studies.running.labelled import PAPER
+from studies.running.parts import Parts
+from studies.running.plot import caption, new_figure
+from studies.running.study import Study
 from studies.specimens import specimen
-from studies.study import Study
 
 BLOCK = 1
 RATIOS = (0.1, 0.5, 1.0)

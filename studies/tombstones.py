@@ -27,13 +27,13 @@ from excitation import KanaiTajimi, Record, scaled_to
 from excitation.intensities import peak
 from rocking import Block, Method1, solve_batch
 from rocking.closed_forms import ishiyama_velocity, west_acceleration
-from studies._plot import caption, new_figure
-from studies.claims_bounds import CLAIMS
-from studies.claims_table import Finding, listed, table
-from studies.columns import G
-from studies.labelled import PAPER, names_axis
-from studies.parts import Parts
-from studies.study import Study
+from studies.claims.bounds import CLAIMS
+from studies.claims.table import Finding, listed, table
+from studies.criteria.columns import G
+from studies.running.labelled import PAPER, names_axis
+from studies.running.parts import Parts
+from studies.running.plot import caption, new_figure
+from studies.running.study import Study
 
 GROUNDS = {"firm": 2.5, "soft": 1.0}
 """Ground frequencies of the synthetic motions [Hz]."""

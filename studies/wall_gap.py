@@ -19,15 +19,15 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from studies import _run
-from studies._plot import caption, new_figure
-from studies.claims_bounds import CLAIMS
-from studies.claims_table import Finding, listed, table
-from studies.columns import Column, ColumnJob, ColumnSettings, G, criterion
-from studies.columns_figures import LABELS, QUICK_DURATION, arguments
-from studies.labelled import PAPER, frequency_axis, gathered
-from studies.parts import Parts
-from studies.study import Study
+from studies.claims.bounds import CLAIMS
+from studies.claims.table import Finding, listed, table
+from studies.criteria.columns import Column, ColumnJob, ColumnSettings, G, criterion
+from studies.families.columns import LABELS, QUICK_DURATION, arguments
+from studies.running.command_line import positive
+from studies.running.labelled import PAPER, frequency_axis, gathered
+from studies.running.parts import Parts
+from studies.running.plot import caption, new_figure
+from studies.running.study import Study
 
 FAR = 2.0
 """A gap [m] that the column cannot bridge while it stands."""
@@ -146,8 +146,8 @@ def plan_of(options: argparse.Namespace) -> Plan:
     Raises:
         BadInputError: an option's value is not one that it can have.
     """
-    _run.positive("--ramp", options.ramp)
-    _run.positive("--friction", options.friction, zero=True)
+    positive("--ramp", options.ramp)
+    positive("--friction", options.friction, zero=True)
     settings = ColumnSettings(ramp=options.ramp * G, friction=options.friction)
     if options.quick:
         return Plan((0.0, 0.02, FAR), (1.0, 3.0), (0.0,), replace(settings, duration=QUICK_DURATION))

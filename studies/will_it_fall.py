@@ -28,7 +28,8 @@ from excitation import PiecewiseLinear, Record, read
 from rocking import Block, Method1, solve, solve_batch
 from rocking.block import G_STANDARD
 from rocking.closed_forms import ishiyama_velocity, west_acceleration
-from studies._run import BadInputError, run
+from studies.running.command_line import run
+from studies.running.files import BadInputError
 
 STEP = 1.01
 """Ratio of neighbouring factors at which a motion is tried."""

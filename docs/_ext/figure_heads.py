@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from effect_heads import literal
 
-from studies.commands import ELSEWHERE, commands
+from studies.running.commands import ELSEWHERE, commands
 
 
 def figures_text() -> str:

@@ -8,9 +8,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from studies import _run
 from studies.animation.film import film_of
 from studies.animation.saving import SUFFIXES, save
+from studies.running.command_line import run
+from studies.running.files import BadInputError
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -38,7 +39,7 @@ def main(argv: list[str] | None = None) -> None:
     """Read, animate, say what was written."""
     arguments = _parser().parse_args(argv)
     if not arguments.run.is_file():
-        raise _run.BadInputError(f"{arguments.run}: want the file of a saved run")
+        raise BadInputError(f"{arguments.run}: want the file of a saved run")
     targets: list[Path] = arguments.out or [arguments.run.with_suffix(".html")]
     try:
         film = film_of(arguments.run)
@@ -49,8 +50,8 @@ def main(argv: list[str] | None = None) -> None:
             )  # fmt: skip
             print("wrote", target)
     except (ValueError, RuntimeError, OSError) as error:
-        raise _run.BadInputError(str(error)) from error
+        raise BadInputError(str(error)) from error
 
 
 if __name__ == "__main__":
-    _run.run(main)
+    run(main)

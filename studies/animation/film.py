@@ -17,7 +17,7 @@ import numpy.typing as npt
 import xarray as xr
 
 import dem
-from studies._run import load_dataset
+from studies.running.files import load_dataset
 
 FloatArray = npt.NDArray[np.float64]
 NEEDED = ("x", "z", "theta", "outline_x", "outline_z", "outline_of")

@@ -14,8 +14,8 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon as Patch
 
-from studies._plot import caption, new_figure
 from studies.animation.film import Film, Run, film_of
+from studies.running.plot import caption, new_figure
 
 FILLS = ("#E69F00", "#56B4E9", "#009E73", "#F0E442", "#0072B2", "#D55E00", "#CC79A7")
 """Fills of the bodies, repeated (Okabe & Ito 2008)."""

@@ -17,11 +17,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 from tqdm import tqdm
 
-from studies import _run
-from studies._plot import new_figure
 from studies.animation.film import Film
 from studies.animation.frames import FILLS, draw_frame
 from studies.animation.page import CLIP_DEGREES, TRACED
+from studies.running.files import write_whole
+from studies.running.plot import new_figure
 
 DPI = 90
 SIZE = (8.0, 4.5)
@@ -132,7 +132,7 @@ def write_gif(film: Film, path: Path, times: npt.NDArray[Any], fps: float, progr
         made = pictures()
         next(made).save(target, save_all=True, append_images=made, duration=duration, loop=0)
 
-    _run.write_whole(path, write)
+    write_whole(path, write)
 
 
 def write_mp4(film: Film, path: Path, times: npt.NDArray[Any], fps: float, progress: bool) -> None:
@@ -154,7 +154,7 @@ def write_mp4(film: Film, path: Path, times: npt.NDArray[Any], fps: float, progr
                 stage.show(float(time))
                 writer.grab_frame()
 
-    _run.write_whole(path, write)
+    write_whole(path, write)
 
 
 EVEN = "pad=ceil(iw/2)*2:ceil(ih/2)*2"

@@ -19,9 +19,9 @@ import numpy.typing as npt
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from studies import _run
 from studies.animation.film import Film, FloatArray
 from studies.animation.frames import FILLS, GROUND
+from studies.running.files import write_whole
 
 MOST_FRAMES = 6000
 MOST_BYTES = 3_000_000
@@ -95,7 +95,7 @@ def page(film: Film, *, most_frames: int = MOST_FRAMES, most_bytes: int = MOST_B
 def write_page(film: Film, path: Path) -> None:
     """Write the page, whole or not at all."""
     html = page(film).encode("utf-8")
-    _run.write_whole(path, lambda target: target.write_bytes(html))
+    write_whole(path, lambda target: target.write_bytes(html))
 
 
 def _poses(film: Film, kept: npt.NDArray[Any]) -> tuple[npt.NDArray[np.uint16], list[float], list[float]]:

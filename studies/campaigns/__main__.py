@@ -13,12 +13,13 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from studies._run import BadInputError, run, writable_folder, write_whole
 from studies.campaigns.drawing import figure
 from studies.campaigns.errors import CampaignError
 from studies.campaigns.model import Campaign
 from studies.campaigns.reading import read
 from studies.campaigns.summary import Look, look, summary
+from studies.running.command_line import run
+from studies.running.files import BadInputError, writable_folder, write_whole
 
 
 def _parser() -> argparse.ArgumentParser:

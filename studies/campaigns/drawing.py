@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from studies._plot import caption, new_figure
 from studies.campaigns.clipping import clipped
 from studies.campaigns.model import Campaign
 from studies.campaigns.summary import Look
+from studies.running.plot import caption, new_figure
 
 BASE_X, BASE_Z, ROTATION, IMPACT, PEAK, REST = "#0072B2", "#56B4E9", "#000000", "#D55E00", "#009E73", "#DDDDDD"
 

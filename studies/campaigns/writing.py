@@ -10,11 +10,11 @@ from typing import Any
 
 import tomli_w
 
-from studies._run import write_whole
 from studies.campaigns.errors import CampaignError
 from studies.campaigns.model import Campaign, Channel, Test
 from studies.campaigns.names import checked_id
 from studies.campaigns.reading import FILE
+from studies.running.files import write_whole
 
 
 def write(campaign: Campaign, folder: str | Path, *, compressed: bool = False) -> Path:

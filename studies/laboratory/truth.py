@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
-from studies._run import save_text, write_whole
+from studies.running.files import save_text, write_whole
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from studies import _early, _run
-from studies._lock import alone
+from studies import _early
 from studies.campaigns import Campaign, CampaignError, read
 from studies.loop.closing import STANDARD_GRAVITY, close
 from studies.loop.dataset import dataset, save
@@ -30,6 +29,9 @@ from studies.loop.outcomes.command import close_outcomes
 from studies.loop.outcomes.prediction import read_noise, write_outcome_predictions
 from studies.loop.prediction import write_predictions
 from studies.loop.report.page import write_report
+from studies.running.command_line import said_of
+from studies.running.files import BadInputError, writable_folder
+from studies.running.lock import alone
 
 KEPT = "what was in the folder of --out before is as it was, the same command begins again"
 
@@ -57,7 +59,7 @@ def _together(folder: Path) -> Iterator[Path]:
     Raises:
         BadInputError: the folder cannot be written to, or another run is at work in it.
     """
-    _run.writable_folder(folder)
+    writable_folder(folder)
     with alone(folder / "loop", wait=False):
         for left in folder.glob(f"{UNFINISHED}*"):  # of a run that was killed
             shutil.rmtree(left, ignore_errors=True)
@@ -69,7 +71,7 @@ def _together(folder: Path) -> Iterator[Path]:
 
 def _close(arguments: argparse.Namespace) -> None:
     if arguments.gravity is not None and not (math.isfinite(arguments.gravity) and arguments.gravity > 0.0):
-        raise _run.BadInputError(f"--gravity {arguments.gravity}: want a positive number [m/s^2]")
+        raise BadInputError(f"--gravity {arguments.gravity}: want a positive number [m/s^2]")
     campaign = read(arguments.campaign)
     tell = _Progress(arguments.quiet)
     with _together(arguments.out) as folder:
@@ -134,11 +136,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parsed = parser.parse_args(given[1:] if predicting else given)
     try:
         (_predict if predicting else _close)(parsed)
-    except (CampaignError, ModelError, _run.BadInputError) as error:
+    except (CampaignError, ModelError, BadInputError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     except OSError as error:
-        print(f"error: {_run.said_of(error, KEPT)}", file=sys.stderr)
+        print(f"error: {said_of(error, KEPT)}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print(f"interrupted: {KEPT}", file=sys.stderr)

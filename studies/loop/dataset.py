@@ -19,7 +19,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from studies import _run
 from studies.campaigns import Test
 from studies.loop.closing import Finding
 from studies.loop.dataset_residuals import by_impact, by_stretch, of_onset
@@ -28,6 +27,7 @@ from studies.loop.model import LoopModel
 from studies.loop.scoring import leaning
 from studies.loop.simulation import Answer, Job
 from studies.loop.windows import Record
+from studies.running.files import provenance, write_whole
 
 Array = NDArray[np.float64]
 
@@ -62,7 +62,7 @@ def save(tree: xr.DataTree, path: Path) -> None:
         }
         for node in tree.subtree
     }  # fmt: skip
-    _run.write_whole(path, lambda target: tree.to_netcdf(target, engine="netcdf4", encoding=packed))
+    write_whole(path, lambda target: tree.to_netcdf(target, engine="netcdf4", encoding=packed))
 
 
 def group_names(ids: list[str]) -> list[str]:
@@ -192,7 +192,7 @@ def _sensors(
 
 def _root(finding: Finding) -> xr.Dataset:
     campaign = finding.setup.campaign
-    attributes = _run.provenance(campaign.title, "python -m studies.loop CAMPAIGN.toml --out DIR") | {
+    attributes = provenance(campaign.title, "python -m studies.loop CAMPAIGN.toml --out DIR") | {
         "verdict": finding.verdict,
         "effects": ", ".join(finding.chosen.effects),
         "noise_floor": finding.noise_floor,

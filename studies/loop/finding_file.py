@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from rocking.effects import load
-from studies._run import save_text
 from studies.loop.closing import Finding
 from studies.loop.model import MOUNTING
+from studies.running.files import save_text
 
 
 def as_json(finding: Finding, next_test: str) -> dict[str, Any]:

@@ -19,11 +19,11 @@ from typing import Any
 import tomli_w
 
 from rocking.effects import available, load
-from studies._run import save_text
 from studies.campaigns import DeclaredBlock
 from studies.campaigns.errors import shown
 from studies.loop.model import LoopModel
-from studies.toml_file import read_toml
+from studies.running.files import save_text
+from studies.running.toml_file import read_toml
 
 TABLES = ("title", "block", "model", "effects", "mountings", "outcomes")
 MODEL_KEYS = ("restitution", "gravity", "restitution_drift", "number")

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studies._run import save_text, write_whole
 from studies.campaigns import Campaign, Test
 from studies.loop.instruments import accelerations
 from studies.loop.model import LoopModel
 from studies.loop.simulation import Answer, Job, Simulator
+from studies.running.files import save_text, write_whole
 
 Array = NDArray[np.float64]
 

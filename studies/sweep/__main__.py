@@ -6,7 +6,8 @@ import argparse
 import shlex
 from pathlib import Path
 
-from studies import _run
+from studies.running import command_line
+from studies.running.files import BadInputError, writable_folder
 from studies.sweep.declared import read
 from studies.sweep.evaluation import FELL
 from studies.sweep.gathering import count
@@ -40,7 +41,7 @@ def main(argv: list[str]) -> None:
     arguments = _parser().parse_args(argv)
     try:
         sweep = read(arguments.file)
-        _run.writable_folder(arguments.out.parent)
+        writable_folder(arguments.out.parent)
         print(f"{sweep.size} points: {' x '.join(f'{len(v)} {name}' for name, v in sweep.axes.items())}", flush=True)
         with run(
             sweep, arguments.out, workers=arguments.workers, scheduler=arguments.scheduler,
@@ -50,8 +51,8 @@ def main(argv: list[str]) -> None:
             if ds.attrs["declined"] != "[]":
                 print(f"declined: {ds.attrs['declined']}")
     except (ValueError, RuntimeError) as error:
-        raise _run.BadInputError(str(error)) from None
+        raise BadInputError(str(error)) from None
 
 
 if __name__ == "__main__":
-    _run.run(main, "finished chunks are kept, the same command goes on from there")
+    command_line.run(main, "finished chunks are kept, the same command goes on from there")

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from studies._run import save_dataset, write_whole
+from studies.running.files import save_dataset, write_whole
 from studies.sweep.declared import PARAMETERS, Sweep
 from studies.sweep.evaluation import OUTCOMES, VARIABLES
 

@@ -41,8 +41,8 @@ import numpy as np
 
 import excitation
 from excitation.pulse import CentredPulse, FinitePulse
-from studies.overturning import METHODS
-from studies.toml_file import read_toml
+from studies.criteria.overturning import METHODS
+from studies.running.toml_file import read_toml
 
 Axis = tuple[Any, ...]
 

@@ -26,9 +26,9 @@ import excitation
 from excitation import RampedSinusoid
 from excitation.motion import Motion
 from rocking import WOOD_DENSITY, Block, solve_batch
-from studies.columns import G
-from studies.free_vibration import fit_dashpot
-from studies.overturning import STIFFNESS, Settings, system_of
+from studies.criteria.columns import G
+from studies.criteria.free_vibration import fit_dashpot
+from studies.criteria.overturning import STIFFNESS, Settings, system_of
 from studies.specimens import specimen
 from studies.sweep.declared import RAMP, Sweep, from_mapping
 

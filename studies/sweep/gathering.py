@@ -18,7 +18,7 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
-from studies import _run
+from studies.running.files import load_dataset, provenance, seal, write_whole
 from studies.sweep.chunks import Box, Folder, boxes, coordinates, variable_attributes
 from studies.sweep.declared import Sweep
 from studies.sweep.evaluation import G
@@ -50,7 +50,7 @@ def _skeleton(target: netCDF4.Dataset, sweep: Sweep) -> None:
 def _chunk(stated: str, box: Box, path: Path) -> xr.Dataset:
     """The chunk of that box, of the sweep that is stated so."""
     try:
-        ds = _run.load_dataset(path)
+        ds = load_dataset(path)
         shape = tuple(stop - start for start, stop in box)
         fits = all(name in ds and ds[name].shape == shape for name in variable_attributes())
         json.loads(ds.attrs["declined"])
@@ -79,9 +79,9 @@ def gather(sweep: Sweep, folder: Folder, points: int, target: Path, attributes: 
                     file[name][where] = part[name].values
                 declined.update(json.loads(part.attrs["declined"]))
             file.setncatts(attributes | {"declined": json.dumps(sorted(declined))})
-        _run.seal(path)
+        seal(path)
 
-    _run.write_whole(target, write)
+    write_whole(target, write)
 
 
 def count(ds: xr.Dataset, outcome: int) -> int:
@@ -98,4 +98,4 @@ def attributes_of(sweep: Sweep, identity: dict[str, Any], command: str) -> dict[
         "sources": str(identity["sources"]),
         "gravity": f"{G} m s-2",
     }
-    return _run.provenance(sweep.title, command) | again
+    return provenance(sweep.title, command) | again

@@ -21,9 +21,9 @@ from typing import Any
 import xarray as xr
 from tqdm import tqdm
 
-from studies._lock import alone
-from studies._run import clear_unfinished, sealed
-from studies.parts import sources_hash
+from studies.running.files import clear_unfinished, sealed
+from studies.running.lock import alone
+from studies.running.parts import sources_hash
 from studies.sweep.chunks import Box, Folder, as_dataset, boxes, count_boxes
 from studies.sweep.declared import Sweep
 from studies.sweep.evaluation import evaluate

@@ -9,7 +9,7 @@ from typing import Any
 
 import files
 
-from studies._run import run
+from studies.running.command_line import run
 
 
 class Places:
@@ -74,8 +74,8 @@ def _by_return(main: Callable[[list[str]], int]) -> Callable[[list[str], Any], t
 def _mains() -> dict[str, Callable[[list[str], Any], tuple[Any, str]]]:
     import importlib
 
-    from studies.registry import studies
-    from studies.study import make
+    from studies.running.registry import studies
+    from studies.running.study import make
 
     def main(module: str) -> Any:
         return importlib.import_module(module).main

@@ -17,11 +17,11 @@ import xarray as xr
 
 import excitation as ex
 import studies
-from studies._run import load_dataset
 from studies.animation import film_of
 from studies.campaigns import read as read_campaign
 from studies.loop.model_file import read_model
 from studies.loop.outcomes.prediction import read_noise
+from studies.running.files import load_dataset
 from studies.sweep import read as read_sweep
 
 Make = Callable[[Path], Path]

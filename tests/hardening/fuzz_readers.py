@@ -28,10 +28,10 @@ with atheris.instrument_imports(include=["excitation", "studies", "tomllib"]):
 
     import excitation as ex
     from excitation.formats import seismology
-    from studies._run import DatasetError, load_dataset
     from studies.campaigns import CampaignError
     from studies.campaigns import read as read_campaign
     from studies.loop.model_file import ModelError, read_model
+    from studies.running.files import DatasetError, load_dataset
     from studies.sweep import read as read_sweep
 
 FOLDER = Path(tempfile.mkdtemp(prefix="fuzz-"))

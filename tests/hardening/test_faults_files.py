@@ -17,10 +17,11 @@ import pytest
 import xarray as xr
 
 import excitation as ex
-from studies import _run
-from studies._lock import alone
-from studies.parts import Parts, sources_hash
-from studies.study import there_already
+from studies.running.command_line import said_of
+from studies.running.files import BadInputError, clear_unfinished, load_dataset, save_dataset, save_text, write_whole
+from studies.running.lock import alone
+from studies.running.parts import Parts, sources_hash
+from studies.running.study import there_already
 
 RECORD = ex.Record(0.01, np.sin(0.1 * np.arange(40_000)), source="made")
 LARGE = xr.Dataset({"a": (("x", "y"), np.random.default_rng(1).random((500, 500)))})
@@ -31,15 +32,15 @@ def contents(folder):
 
 
 def figure():
-    from studies._plot import new_figure
+    from studies.running.plot import new_figure
 
     return new_figure(20.0, 20.0)
 
 
 WRITERS = {
-    "text": ("a.txt", lambda path: _run.save_text("x" * 2_000_000, path)),
-    "dataset": ("a.nc", lambda path: _run.save_dataset(LARGE, path)),
-    "figure": ("a.png", lambda path: _run.write_whole(path, lambda t: figure().savefig(t, format="raw", dpi=100))),
+    "text": ("a.txt", lambda path: save_text("x" * 2_000_000, path)),
+    "dataset": ("a.nc", lambda path: save_dataset(LARGE, path)),
+    "figure": ("a.png", lambda path: write_whole(path, lambda t: figure().savefig(t, format="raw", dpi=100))),
     "record": ("a.csv", lambda path: ex.write(path, RECORD, "columns")),
     "run": ("a.npz", lambda path: Parts(path.parent)._keep(path, {"a": LARGE.a.values})),
 }
@@ -54,7 +55,7 @@ def test_on_a_full_disk_a_file_stays_as_it_was(kind, tmp_path):
             with pytest.raises(OSError) as caught:
                 write(small / name)
             assert caught.value.errno == errno.ENOSPC and caught.value.filename == str(small / name)
-            sentence = _run.said_of(caught.value, "finished runs are kept")
+            sentence = said_of(caught.value, "finished runs are kept")
             assert f"{name}: cannot be read or written (No space left on device); make room and run it" in sentence
         assert contents(small) == {name: b"as it was"}
 
@@ -63,11 +64,11 @@ def test_after_room_was_made_the_same_process_goes_on(tmp_path):
     with faults.disk(tmp_path / "small", "3m") as small:
         (small / "ballast").write_bytes(bytes(2_500_000))
         with pytest.raises(OSError, match="No space left"):
-            _run.save_dataset(LARGE, small / "a.nc")
+            save_dataset(LARGE, small / "a.nc")
         (small / "ballast").unlink()
         small_one = LARGE.isel(x=slice(0, 40))
-        _run.save_dataset(small_one, small / "a.nc")
-        xr.testing.assert_identical(_run.load_dataset(small / "a.nc"), small_one)
+        save_dataset(small_one, small / "a.nc")
+        xr.testing.assert_identical(load_dataset(small / "a.nc"), small_one)
 
 
 def test_runs_that_were_finished_before_the_disk_was_full_are_kept(tmp_path):
@@ -92,7 +93,7 @@ def test_on_a_disk_that_cannot_be_written_to_the_sentence_says_so(kind, tmp_path
         faults.read_only(small)
         with pytest.raises(OSError) as caught:
             write(small / name)
-        said = _run.said_of(caught.value, "nothing was written")
+        said = said_of(caught.value, "nothing was written")
         assert name in said and ("Read-only file system" in said or "Permission denied" in said)
         assert contents(small) == {name: b"as it was"}
 
@@ -132,9 +133,9 @@ def test_a_damaged_dataset_is_computed_again_and_never_a_traceback(tmp_path):
     path = tmp_path / "a.nc"
     rows = np.random.default_rng(2).random((40, 40))
     ds = xr.Dataset({"a": (("x", "y"), rows)}, attrs={"inputs": "x", "study": "made"})
-    _run.save_dataset(ds, path)
+    save_dataset(ds, path)
     whole = path.read_bytes()
-    assert there_already(path, "x").identical(_run.load_dataset(path))
+    assert there_already(path, "x").identical(load_dataset(path))
     unread = 0
     for seed in range(120):
         path.write_bytes(damaged(whole, seed))
@@ -162,18 +163,18 @@ def test_what_a_killed_run_left_is_removed_by_the_next(tmp_path):
     (tmp_path / ".a.4711-0.nc").write_bytes(b"half")
     (tmp_path / ".other.4711-0.nc").write_bytes(b"of another")
     with alone(tmp_path / "a.nc"):
-        _run.clear_unfinished(tmp_path / "a.nc")
+        clear_unfinished(tmp_path / "a.nc")
     assert [path.name for path in tmp_path.iterdir()] == [".other.4711-0.nc"]
 
 
 def test_a_link_is_followed_and_a_device_stays_one(tmp_path):
     (tmp_path / "far").mkdir()
     (tmp_path / "a.txt").symlink_to(tmp_path / "far" / "b.txt")
-    _run.save_text("text", tmp_path / "a.txt")
+    save_text("text", tmp_path / "a.txt")
     assert (tmp_path / "a.txt").is_symlink() and (tmp_path / "far" / "b.txt").read_text() == "text"
     os.mkfifo(tmp_path / "pipe")
     reader = os.open(tmp_path / "pipe", os.O_RDONLY | os.O_NONBLOCK)
-    _run.save_text("through", tmp_path / "pipe")
+    save_text("through", tmp_path / "pipe")
     assert os.read(reader, 100) == b"through" and (tmp_path / "pipe").is_fifo()
     os.close(reader)
 
@@ -181,7 +182,7 @@ def test_a_link_is_followed_and_a_device_stays_one(tmp_path):
 LOCKING = """
 import sys, time
 from pathlib import Path
-from studies._lock import alone
+from studies.running.lock import alone
 with alone(Path(sys.argv[1])):
     print("held", flush=True)
     time.sleep(float(sys.argv[2]))
@@ -195,7 +196,7 @@ def test_two_runs_on_one_target_take_turns_and_kill_9_leaves_no_lock(tmp_path, c
     script.write_text(LOCKING)
     child = faults.started([sys.executable, str(script), str(target), "600"])
     assert child.stdout.readline() == "held\n"
-    held = pytest.raises(_run.BadInputError, match=f"process {child.pid} is writing it; wait until it is done, or")
+    held = pytest.raises(BadInputError, match=f"process {child.pid} is writing it; wait until it is done, or")
     with held, alone(target, wait=False):
         pass
     second = faults.started([sys.executable, str(script), str(target), "0"])
@@ -218,7 +219,7 @@ def test_a_clock_that_jumps_changes_nothing(hours, tmp_path, monkeypatch):
         return {"number": job**2}
 
     Parts(tmp_path, workers=1).results([1.0, 2.0], work, "a")
-    _run.save_dataset(files.dataset(), tmp_path / "a.nc")
+    save_dataset(files.dataset(), tmp_path / "a.nc")
     now = time.time
     for path in tmp_path.rglob("*"):
         os.utime(path, (now() + 3600.0 * hours,) * 2)
@@ -242,7 +243,7 @@ def test_dev_full_is_told_from_a_full_disk_by_its_name():
         pytest.skip("no /dev/full")
     done = subprocess.run(
         [sys.executable, "-c", "from studies import _run; from pathlib import Path\n"
-         "_run.run(lambda argv: _run.save_text('x' * 10**6, Path('/dev/full')), 'finished runs are kept')"],
+         "run(lambda argv: save_text('x' * 10**6, Path('/dev/full')), 'finished runs are kept')"],
         capture_output=True, text=True,
     )  # fmt: skip
     assert done.returncode == 1 and os.path.exists("/dev/full")

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from studies._run import load_dataset
+from studies.running.files import load_dataset
 
 QUICK = ["studies.fig18", "--quick", "--workers", "1"]
 

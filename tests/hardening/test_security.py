@@ -104,10 +104,10 @@ def test_the_page_of_an_animation_shows_hostile_names_as_text():
 
 
 def test_the_index_shows_what_a_dataset_says_as_text(tmp_path):
-    from studies._run import save_dataset
-    from studies.claims_table import Claim, Finding, table
-    from studies.index_page import write_index
-    from studies.registry import studies
+    from studies.claims.table import Claim, Finding, table
+    from studies.running.files import save_dataset
+    from studies.running.index_page import write_index
+    from studies.running.registry import studies
 
     def made(text):
         folder = tmp_path / str(len(text))
@@ -120,8 +120,8 @@ def test_the_index_shows_what_a_dataset_says_as_text(tmp_path):
 
 
 def test_a_damaged_dataset_is_left_out_of_the_index_with_a_line(tmp_path, capsys):
-    from studies.index_page import write_index
-    from studies.registry import studies
+    from studies.running.index_page import write_index
+    from studies.running.registry import studies
 
     (tmp_path / "fig18.nc").write_bytes(files.netcdf()[:-9])
     text = write_index(tmp_path, {"fig18": studies()["fig18"]}).read_text(encoding="utf-8")
@@ -197,7 +197,7 @@ def test_a_path_of_a_dataset_is_a_file_and_never_an_address(monkeypatch):
     import socket
 
     import studies
-    from studies._run import DatasetError, load_dataset
+    from studies.running.files import DatasetError, load_dataset
 
     def refuse(*arguments, **more):
         raise AssertionError("the network was asked")

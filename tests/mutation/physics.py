@@ -21,8 +21,9 @@ LEFT_OUT = {
     "truth.py",
 }  # fmt: skip
 STUDIES = (
-    "overturning", "columns", "pickups", "free_vibration", "fig05_fit", "rocking_onset", "specimens", "slenderness",
-    "springs", "dead_reckoning", "wall_gap", "tombstones", "drop_test", "will_it_fall", "fig03",
+    "criteria/overturning", "criteria/columns", "criteria/pickups", "criteria/free_vibration", "fig05/fit",
+    "criteria/rocking_onset", "specimens", "slenderness", "springs", "dead_reckoning", "wall_gap", "tombstones",
+    "families/drop_test", "will_it_fall", "fig03",
 )  # fmt: skip
 
 METHOD2 = (
@@ -130,13 +131,13 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("excitation/rotation.py", ("test_processing", "test_record")),
     ("excitation/*.py", ("test_processing", "test_synthetic", "test_motion_contract")),
     ("studies/laboratory/*.py", ("loop/test_laboratory", "loop/test_laboratory_campaigns")),
-    ("studies/overturning.py", ("test_overturning", "test_fig16")),
-    ("studies/free_vibration.py", ("test_free_vibration", "test_fig16")),
-    ("studies/fig0*.py", ("test_preliminary_figures",)),
-    ("studies/drop_test.py", ("test_preliminary_figures",)),
-    ("studies/columns.py", ("test_columns", "test_contact_judgement")),
-    ("studies/rocking_onset.py", ("test_columns", "test_all_studies")),
-    ("studies/pickups.py", ("test_columns",)),
+    ("studies/criteria/overturning.py", ("test_overturning", "test_fig16")),
+    ("studies/criteria/free_vibration.py", ("test_free_vibration", "test_fig16")),
+    ("studies/fig0*", ("test_preliminary_figures",)),
+    ("studies/families/drop_test.py", ("test_preliminary_figures",)),
+    ("studies/criteria/columns.py", ("test_columns", "test_contact_judgement")),
+    ("studies/criteria/rocking_onset.py", ("test_columns", "test_all_studies")),
+    ("studies/criteria/pickups.py", ("test_columns",)),
     ("studies/will_it_fall.py", ("test_will_it_fall",)),
     ("studies/specimens.py", ("test_specimens",)),
     ("studies/*.py", ("test_all_studies",)),
@@ -179,7 +180,9 @@ def groups(root: Path, file: str) -> list[list[str]]:
     # The loop, sweeps, animations and campaigns have no physics in these files, and of the quick studies only those
     # that use a file can see it.
     every = "tests/studies/test_all_studies.py"
-    users = [path.stem for path in sorted((root / "studies").glob("*.py")) if _uses(path.read_text(), stem)]
+    commands = {p.stem: [p] for p in (root / "studies").glob("*.py")}
+    commands |= {p.parent.name: sorted(p.parent.glob("*.py")) for p in (root / "studies").glob("*/__main__.py")}
+    users = [name for name in sorted(commands) if any(_uses(p.read_text(), stem) for p in commands[name])]
     kept = [path for path in rest if path.startswith(("tests/studies/test_", "tests/studies/loop/test_laboratory"))]
     parts = [
         [path for path in first if path != every],
@@ -194,4 +197,4 @@ def _kept(paths: Iterable[str]) -> list[str]:
 
 
 def _uses(text: str, stem: str) -> bool:
-    return f"studies.{stem} import" in text or f"import {stem}" in text
+    return f".{stem} import" in text or f"import {stem}" in text

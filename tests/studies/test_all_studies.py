@@ -10,10 +10,10 @@ import xarray as xr
 from PIL import Image
 
 import studies
-from studies.claims_bounds import CLAIMS
-from studies.registry import HERE, modules
-from studies.registry import studies as registered
-from studies.study import make, parser_of
+from studies.claims.bounds import CLAIMS
+from studies.running.registry import HERE, modules
+from studies.running.registry import studies as registered
+from studies.running.study import make, parser_of
 
 sys.path.insert(0, str(Path(__file__).parent))
 from cf import by_checker, problems
@@ -121,7 +121,7 @@ def test_what_is_there_with_the_same_settings_is_not_computed_again(name, made, 
     assert "is there already" in capsys.readouterr().out
     assert (folder / f"{name}.nc").stat().st_mtime_ns == before
     # Computed anew, the finished runs are taken from where they were kept.
-    from studies import columns_figures
+    from studies.families import columns as columns_figures
 
     monkeypatch.setattr(columns_figures, "criterion", columns_figures.criterion)
     make(STUDIES[name], ["--quick", "--out", str(folder), "--again"])
@@ -132,7 +132,7 @@ def test_what_is_there_with_the_same_settings_is_not_computed_again(name, made, 
 
 @pytest.mark.parametrize("name", ["fig14", "fig18", "fig17", "fig02"])
 def test_bad_options_are_one_sentence_before_any_work(name, tmp_path):
-    from studies._run import BadInputError
+    from studies.running.files import BadInputError
 
     for option in ("--friction", "--ramp"):
         if name == "fig02" and option == "--ramp":

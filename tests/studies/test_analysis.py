@@ -7,14 +7,14 @@ import pytest
 import xarray as xr
 
 import studies
-from studies import _run
 from studies.compare import compared
 from studies.compare import main as compare
-from studies.index_page import write_index
-from studies.onset_figures import OnsetPlan
-from studies.overturning import Settings, overturning
+from studies.criteria.overturning import Settings, overturning
+from studies.families.onset import OnsetPlan
+from studies.running.files import BadInputError, save_dataset, save_figure
+from studies.running.index_page import write_index
+from studies.running.study import Study
 from studies.specimens import specimen
-from studies.study import Study
 
 
 def dataset(factor=1.0, frequencies=(1.0, 2.0, 3.0)):
@@ -29,7 +29,7 @@ def dataset(factor=1.0, frequencies=(1.0, 2.0, 3.0)):
 def test_open_finds_files_and_makes_units_plot_well(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "build" / "studies").mkdir(parents=True)
-    _run.save_dataset(dataset(), tmp_path / "build" / "studies" / "x.nc")
+    save_dataset(dataset(), tmp_path / "build" / "studies" / "x.nc")
     assert studies.open("x.nc").amplitude.attrs["units"] == "m/s²"
     assert studies.open("x.nc", cf_units=True).amplitude.attrs["units"] == "m s-2"
     with pytest.raises(FileNotFoundError, match=r"y.nc: neither there nor in build/studies"):
@@ -61,7 +61,7 @@ def test_interpolated_criterion_is_near_a_computed_one():
 
 def saved(tmp_path, **datasets):
     for name, ds in datasets.items():
-        _run.save_dataset(ds, tmp_path / f"{name}.nc")
+        save_dataset(ds, tmp_path / f"{name}.nc")
     return [str(tmp_path / f"{name}.nc") for name in datasets]
 
 
@@ -101,18 +101,18 @@ def test_tolerance_gaps_texts_and_other_axes():
 
 def test_compare_refuses_what_is_no_dataset(tmp_path):
     (tmp_path / "x.nc").write_text("none")
-    with pytest.raises(_run.BadInputError, match=r"x.nc: want a NetCDF dataset"):
+    with pytest.raises(BadInputError, match=r"x.nc: want a NetCDF dataset"):
         compare([str(tmp_path / "x.nc"), str(tmp_path / "x.nc")])
 
 
 def test_page_escapes_what_it_shows_and_leaves_out_what_is_not_there(tmp_path):
-    from studies._plot import caption, new_figure
+    from studies.running.plot import caption, new_figure
 
     fig = new_figure(4.0, 3.0)
     caption(fig, "a < b & <script>alert(1)</script>")
-    _run.save_figure(fig, tmp_path, "odd")
+    save_figure(fig, tmp_path, "odd")
     ds = dataset().assign_attrs(command="<b>x</b>", source="s")
-    _run.save_dataset(ds, tmp_path / "odd.nc")
+    save_dataset(ds, tmp_path / "odd.nc")
 
     def study(name):
         return Study(name, f"{name} <i>", "about &", OnsetPlan, lambda p, q: ds, {name: lambda d: fig}, lambda d: ds)

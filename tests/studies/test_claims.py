@@ -8,11 +8,11 @@ import pytest
 import xarray as xr
 
 from studies import claims
-from studies._run import BadInputError
-from studies.claims_bounds import CLAIMS
-from studies.claims_table import DOES_NOT, HOLDS, UNDECIDED, Claim, Finding, table
-from studies.registry import studies
-from studies.study import make
+from studies.claims.bounds import CLAIMS
+from studies.claims.table import DOES_NOT, HOLDS, UNDECIDED, Claim, Finding, table
+from studies.running.files import BadInputError
+from studies.running.registry import studies
+from studies.running.study import make
 
 
 @pytest.mark.parametrize(

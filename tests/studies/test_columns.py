@@ -10,9 +10,9 @@ import pytest
 import dem
 from rocking import Method1, solve
 from rocking.instruments import accelerometer
-from studies.columns import Column, ColumnJob, ColumnSettings, G, criterion, history, parting
-from studies.pickups import SAMPLE, vertical_reading
-from studies.rocking_onset import OnsetJob, OnsetSettings, onset
+from studies.criteria.columns import Column, ColumnJob, ColumnSettings, G, criterion, history, parting
+from studies.criteria.pickups import SAMPLE, vertical_reading
+from studies.criteria.rocking_onset import OnsetJob, OnsetSettings, onset
 from studies.specimens import specimen
 
 FAST = ColumnSettings(ramp=20.0, duration=20.0)

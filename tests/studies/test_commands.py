@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import studies
-from studies import commands
+from studies.running import commands
 
 PACKAGE = Path(studies.__file__).parent
 ROOT = PACKAGE.parent
@@ -20,7 +20,7 @@ KNOWN = commands.commands()
 
 def run(*words, entry="main", **environment):
     """The command as its script starts it."""
-    code = f"import sys; from studies.commands import {entry} as main; sys.argv[0] = 'it'; main()"
+    code = f"import sys; from studies.running.commands import {entry} as main; sys.argv[0] = 'it'; main()"
     return subprocess.run(
         [sys.executable, "-c", code, *words], capture_output=True, text=True, env=os.environ | environment
     )
@@ -39,7 +39,7 @@ def test_the_scripts_are_declared():
     scripts = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["scripts"]
     for place in scripts.values():
         module, _, name = place.partition(":")
-        assert module == "studies.commands" and callable(getattr(commands, name))
+        assert module == "studies.running.commands" and callable(getattr(commands, name))
     assert set(scripts) == {"will-it-fall", "rocking-studies"}
 
 
@@ -56,7 +56,7 @@ def test_every_command_explains_itself_and_each_of_its_options(words, monkeypatc
         raise AskedError
 
     for name in [name for name in sys.modules if name.startswith(("studies.", "excitation.__main__"))]:
-        # As in a process of its own, where nothing but `studies.commands` is loaded.
+        # As in a process of its own, where nothing but `studies.running.commands` is loaded.
         if name == f"studies.{words[0]}" or name.endswith("__main__"):
             monkeypatch.delitem(sys.modules, name)
     monkeypatch.setattr(argparse.ArgumentParser, "parse_args", ask)
@@ -128,7 +128,7 @@ def test_a_shell_completes_commands_options_choices_and_files(line, answers, tmp
         (tmp_path / "here" / name).touch()
     for script, entry in (("rocking-studies", "main"), ("will-it-fall", "will_it_fall")):
         path = tmp_path / script
-        path.write_text(f"#!{sys.executable}\nfrom studies.commands import {entry}\n{entry}()\n")
+        path.write_text(f"#!{sys.executable}\nfrom studies.running.commands import {entry}\n{entry}()\n")
         path.chmod(0o755)
     done = subprocess.run(
         [bash, "-c", SHELL.format(python=sys.executable), "bash", line],

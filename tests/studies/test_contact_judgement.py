@@ -8,11 +8,8 @@ import xarray as xr
 
 import dem
 from studies import contact_judgement, dem_convergence
-from studies._run import BadInputError
-from studies.claims_table import DOES_NOT, HOLDS, UNDECIDED
-from studies.columns import ColumnSettings
-from studies.contact_judgement_check import CLAIMS, chance, check, shifts
-from studies.contact_judgement_runs import (
+from studies.claims.table import DOES_NOT, HOLDS, UNDECIDED
+from studies.contact_judgement.runs import (
     DEFAULT,
     DROP_STEP,
     UNITS,
@@ -23,8 +20,11 @@ from studies.contact_judgement_runs import (
     judgement_of,
     trembled,
 )  # fmt: skip
+from studies.contact_judgement.statements import CLAIMS, chance, check, shifts
+from studies.criteria.columns import ColumnSettings
+from studies.running.files import BadInputError
+from studies.running.study import make
 from studies.specimens import specimen
-from studies.study import make
 
 SETTINGS = ColumnSettings(ramp=30.0 * 9.80665, damping=2e4)
 

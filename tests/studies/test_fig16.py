@@ -8,9 +8,9 @@ import pytest
 import xarray as xr
 
 from studies import fig16
-from studies.fig16_check import check
-from studies.fig16_drawing import figure, sensitivity_figure
-from studies.study import parser_of
+from studies.fig16.drawing import figure, sensitivity_figure
+from studies.fig16.statements import check
+from studies.running.study import parser_of
 
 
 def command(*arguments, cwd=None):

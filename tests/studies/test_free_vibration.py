@@ -7,8 +7,8 @@ import pytest
 
 import dem
 from rocking import Method1, solve
-from studies.free_vibration import FRICTION, RELEASE, fit_dashpot, scene_of, swing_restitution
-from studies.overturning import STIFFNESS
+from studies.criteria.free_vibration import FRICTION, RELEASE, fit_dashpot, scene_of, swing_restitution
+from studies.criteria.overturning import STIFFNESS
 from studies.specimens import specimen
 
 CONTACT = {"kn": STIFFNESS, "ks": STIFFNESS}

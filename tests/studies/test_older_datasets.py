@@ -4,7 +4,7 @@ from pathlib import Path
 
 import studies
 from studies.compare import compared
-from studies.registry import studies as registered
+from studies.running.registry import studies as registered
 
 OLD = Path(__file__).parent / "data" / "fig18_0.1.0.nc"
 

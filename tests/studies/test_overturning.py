@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rocking import Method1, Method2, solve
-from studies.overturning import METHODS, Settings, overturning
+from studies.criteria.overturning import METHODS, Settings, overturning
 from studies.specimens import specimen
 
 SETTINGS = Settings(damping=42800.0, dt=1e-5)

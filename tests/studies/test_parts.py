@@ -9,7 +9,7 @@ import time
 import numpy as np
 import pytest
 
-from studies.parts import Parts, sources_hash
+from studies.running.parts import Parts, sources_hash
 
 
 def square(job):
@@ -61,7 +61,7 @@ SLOW = """
 import sys, time
 from pathlib import Path
 import numpy as np
-from studies.parts import Parts
+from studies.running.parts import Parts
 
 def work(job):
     time.sleep(0.05)

@@ -8,14 +8,16 @@ import xarray as xr
 
 import dem
 from rocking import Method1, solve
-from studies import drop_test, fig05_fit, fig12
-from studies.claims_table import DOES_NOT, HOLDS
-from studies.fig05_fit import Released, fitted, misfit
-from studies.free_vibration import fit_dashpot
-from studies.overturning import STIFFNESS
-from studies.preliminary_bounds import CLAIMS
+from studies import fig12
+from studies.claims.preliminary_bounds import CLAIMS
+from studies.claims.table import DOES_NOT, HOLDS
+from studies.criteria.free_vibration import fit_dashpot
+from studies.criteria.overturning import STIFFNESS
+from studies.families import drop_test
+from studies.fig05 import fit as fig05_fit
+from studies.fig05.fit import Released, fitted, misfit
+from studies.running.study import make
 from studies.specimens import specimen
-from studies.study import make
 
 FIGURES = ("fig05", "fig10", "fig11", "fig12")
 
@@ -146,7 +148,7 @@ def test_before_the_first_impact_nothing_depends_on_stiffness_or_damping():
     ],
 )
 def test_bad_options_are_one_sentence(name, arguments, message, tmp_path):
-    from studies._run import BadInputError
+    from studies.running.files import BadInputError
 
     with pytest.raises(BadInputError, match=message):
         make(importlib.import_module(f"studies.{name}").STUDY, [*arguments, "--out", str(tmp_path)])

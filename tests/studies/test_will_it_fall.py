@@ -13,7 +13,7 @@ from rocking import Block, Method1
 from rocking.closed_forms import full_sine_pulse
 from rocking.pulse_overturning import one_impact_band
 from studies import will_it_fall as command
-from studies._run import BadInputError
+from studies.running.files import BadInputError
 
 BLOCK = Block(b=0.2, h=0.8)
 

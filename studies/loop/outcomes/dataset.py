@@ -15,9 +15,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from studies import _run
 from studies.loop.outcomes.finding import METRIC, STAGES, OutcomeFinding
 from studies.loop.report.names import parameter_units
+from studies.running.files import provenance
 
 COMMAND = "python -m studies.loop CAMPAIGN.toml --out DIR"
 
@@ -31,7 +31,7 @@ def dataset(finding: OutcomeFinding) -> xr.DataTree:
 
 
 def _root(finding: OutcomeFinding) -> xr.Dataset:
-    attributes = _run.provenance(finding.data.campaign.title, COMMAND) | {
+    attributes = provenance(finding.data.campaign.title, COMMAND) | {
         "verdict": finding.verdict,
         "effects": ", ".join(finding.chosen.effects),
         "metric": METRIC,

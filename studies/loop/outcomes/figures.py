@@ -12,9 +12,9 @@ import xarray as xr
 from matplotlib import rc_context
 from matplotlib.lines import Line2D
 
-from studies._plot import new_figure
 from studies.loop.outcomes.likelihood import Array
 from studies.loop.report.figures import AFTER, BEFORE, MEASURED, STYLE, svg
+from studies.running.plot import new_figure
 
 BINS = 8
 

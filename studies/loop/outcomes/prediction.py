@@ -20,7 +20,6 @@ from typing import Any
 
 import numpy as np
 
-from studies._run import save_text
 from studies.campaigns import Campaign, Test
 from studies.campaigns.errors import shown
 from studies.loop.model import LoopModel
@@ -30,7 +29,8 @@ from studies.loop.outcomes.likelihood import Array, Noise, probability, weights
 from studies.loop.outcomes.runs import FINE, Falls, falls_of
 from studies.loop.prediction import write_predictions
 from studies.loop.simulation import Simulator
-from studies.toml_file import read_toml
+from studies.running.files import save_text
+from studies.running.toml_file import read_toml
 
 SECTION = "outcomes"
 

@@ -15,7 +15,6 @@ import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from studies import _run
 from studies.loop.outcomes import figures, text
 from studies.loop.outcomes.closing import CHANCE, PAYS
 from studies.loop.outcomes.finding import OutcomeFinding, deciding
@@ -24,6 +23,7 @@ from studies.loop.outcomes.weighing import TWIN
 from studies.loop.report.names import OWN, page, parameter_units, readable
 from studies.loop.report.page import TEMPLATE as STYLED
 from studies.loop.report.text import number, with_interval
+from studies.running.files import write_whole
 
 TEMPLATE = "report.html.jinja"
 
@@ -47,7 +47,7 @@ def report(finding: OutcomeFinding, content: dict[str, Any], tree: xr.DataTree) 
 def write_report(finding: OutcomeFinding, content: dict[str, Any], tree: xr.DataTree, path: Path) -> None:
     """Write the page, whole or not at all."""
     html = report(finding, content, tree).encode("utf-8")
-    _run.write_whole(path, lambda target: target.write_bytes(html))
+    write_whole(path, lambda target: target.write_bytes(html))
 
 
 def _style() -> Markup:

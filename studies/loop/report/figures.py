@@ -17,7 +17,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from studies._plot import new_figure
+from studies.running.plot import new_figure
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,6 @@ import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from studies import _run
 from studies.campaigns import Campaign
 from studies.loop.closing import Finding
 from studies.loop.model import MOUNTING
@@ -23,6 +22,7 @@ from studies.loop.report import figures, tables, text
 from studies.loop.report.names import OWN, page, parameter_units, readable
 from studies.loop.rivals import TWIN
 from studies.loop.tracing import LEAST_GAIN, PAYS
+from studies.running.files import write_whole
 
 TEMPLATE = "report.html.jinja"
 
@@ -46,7 +46,7 @@ def report(finding: Finding, content: dict[str, Any], tree: xr.DataTree) -> str:
 def write_report(finding: Finding, content: dict[str, Any], tree: xr.DataTree, path: Path) -> None:
     """Write the page, whole or not at all."""
     html = report(finding, content, tree).encode("utf-8")
-    _run.write_whole(path, lambda target: target.write_bytes(html))
+    write_whole(path, lambda target: target.write_bytes(html))
 
 
 def _num(value: float | None, units: str = "1", digits: int = 3) -> Markup:

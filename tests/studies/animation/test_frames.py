@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from studies._plot import new_figure
-from studies._run import save_dataset
 from studies.animation import draw_frame, film_of, frames
+from studies.running.files import save_dataset
+from studies.running.plot import new_figure
 
 
 def drawn(patch):

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from PIL import Image, ImageChops
 
-from studies._run import BadInputError, save_dataset
 from studies.animation import film_of, moving, save
 from studies.animation.__main__ import main
 from studies.animation.moving import Stage, instants
+from studies.running.files import BadInputError, save_dataset
 
 
 def test_a_gif_has_a_picture_for_each_instant_and_the_bodies_move(column, tmp_path):

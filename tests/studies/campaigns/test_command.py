@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studies._run import BadInputError
 from studies.campaigns import read, write
 from studies.campaigns.__main__ import main
 from studies.campaigns.drawing import figure
 from studies.campaigns.summary import look
+from studies.running.files import BadInputError
 
 from .conftest import read_only
 

@@ -19,7 +19,7 @@ from studies.sweep import Sweep, run
 from studies.sweep.__main__ import main
 from studies.sweep.chunks import Folder, as_dataset, boxes
 from studies.sweep.evaluation import FELL, VARIABLES
-from studies.parts import sources_hash
+from studies.running.parts import sources_hash
 
 folder, POINTS, MISSING = Path(sys.argv[1]), 15_000, (3, 700)
 AXES = {

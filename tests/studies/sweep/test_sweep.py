@@ -15,7 +15,7 @@ import xarray as xr
 
 from rocking import Block, Method1, solve
 from rocking.closed_forms import half_sine_pulse
-from studies.overturning import Settings, overturning
+from studies.criteria.overturning import Settings, overturning
 from studies.sweep import Sweep, run
 from studies.sweep.chunks import boxes, count_boxes
 from studies.sweep.evaluation import FELL, STANDS

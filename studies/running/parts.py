@@ -1,0 +1,153 @@
+"""Runs computed side by side, each kept in a file of its own, so that an interruption loses nothing that was finished.
+
+A part is written under a temporary name and renamed: after kill -9 at any moment it is whole or not there.  Its name is
+a hash of the job and of all sources that decide its result, so a part is never taken for another, and studies that make
+the same run share it.  Parts made with other sources are removed when a study is done.
+
+Source   none, own convention
+Status   kill -9, damaged parts and changed settings are tested
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import sys
+import zipfile
+import zlib
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from tqdm import tqdm
+
+from studies.running.files import write_whole
+
+Job = TypeVar("Job")
+Result = dict[str, Any]
+"""What a run gives: numbers, texts and arrays by name."""
+
+PHYSICS = ("rocking", "dem", "excitation")
+"""Packages whose sources decide what a run gives."""
+
+STUDIES = Path(__file__).resolve().parents[1]
+
+
+@cache
+def sources_hash() -> str:
+    """A hash of the sources that decide what a run gives."""
+    files = [path for package in PHYSICS for path in sorted((STUDIES.parent / package).rglob("*.py"))]
+    digest = hashlib.sha256()
+    for path in [*files, *sorted((STUDIES / "criteria").glob("*.py")), STUDIES / "specimens.py"]:
+        digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+@cache
+def studies_hash() -> str:
+    """A hash of the sources of the studies, which put runs together."""
+    digest = hashlib.sha256(sources_hash().encode())
+    for path in sorted(STUDIES.rglob("*.py")):
+        digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _source_of(work: Callable[..., Any]) -> str:
+    """The text of the module that a function is from."""
+    module = sys.modules.get(work.__module__)
+    file = getattr(module, "__file__", None)
+    return Path(file).read_text(encoding="utf-8") if file else ""
+
+
+def hashed(*items: Any) -> str:
+    """A short hash of what these say of themselves (`repr`)."""
+    return hashlib.sha256("\n".join(map(repr, items)).encode()).hexdigest()[:20]
+
+
+def _plain(value: np.ndarray) -> Any:
+    return value.item() if value.ndim == 0 else value
+
+
+class Parts:
+    """A folder of finished runs; without a folder nothing is kept.
+
+    Args:
+        folder: where parts are kept, made when the first is written.
+        workers: runs side by side; as many as there are cores if not given.
+    """
+
+    def __init__(self, folder: Path | None = None, workers: int | None = None) -> None:
+        self.folder = folder
+        self.workers = workers or os.cpu_count() or 1
+
+    def _paths(self, jobs: Sequence[Any], work: Callable[..., Any]) -> list[Path | None]:
+        if self.folder is None:
+            return [None] * len(jobs)
+        base = self.folder / sources_hash()
+        about = (work.__module__, work.__qualname__, _source_of(work))
+        return [base / f"{hashed(*about, job)}.npz" for job in jobs]
+
+    def _kept(self, path: Path | None) -> Result | None:
+        if path is None or not path.exists():
+            return None
+        try:
+            with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+                return {name: _plain(file[name]) for name in file.files}
+        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error, RuntimeError, MemoryError):
+            return None  # damaged: it is computed again
+
+    def _keep(self, path: Path | None, result: Mapping[str, Any]) -> None:
+        if path is None:
+            return
+        path.parent.mkdir(parents=True, exist_ok=True)
+
+        def write(target: Path) -> None:
+            with target.open("wb") as file:
+                np.savez(file, **result)
+
+        write_whole(path, write)
+
+    def results(self, jobs: Sequence[Job], work: Callable[[Job], Result], label: str) -> list[Result]:
+        """What `work` gives for each job, in their order; what was kept is not computed again.
+
+        Args:
+            jobs: values whose `repr` says all that decides the result.
+            work: called in threads; gives numbers, texts and arrays by name.
+            label: heads the bar of progress.
+        """
+        paths = self._paths(jobs, work)
+        found: list[Result | None] = [self._kept(path) for path in paths]
+        pool = ThreadPoolExecutor(self.workers)
+        try:
+            with tqdm(
+                total=len(jobs), initial=sum(r is not None for r in found), unit="run", desc=label, disable=None
+            ) as bar:
+
+                def kept(job: Job, path: Path | None) -> Result:
+                    # In the thread that computed it: after Ctrl-C, or when another run fails, it is kept as well.
+                    result = work(job)
+                    self._keep(path, result)
+                    return result
+
+                futures = {pool.submit(kept, job, paths[i]): i for i, job in enumerate(jobs) if found[i] is None}
+                for future in as_completed(futures):
+                    i = futures[future]
+                    result = future.result()
+                    # As it would be read again, so that a run that went on gives the same.
+                    found[i] = {name: _plain(np.asarray(value)) for name, value in result.items()}
+                    bar.update()
+        finally:
+            # On Ctrl-C, runs that have not begun are dropped; those under way are finished and kept.
+            pool.shutdown(wait=True, cancel_futures=True)
+        return [result for result in found if result is not None]
+
+    def clear_outdated(self) -> None:
+        """Remove parts that were made with other sources."""
+        if self.folder is not None and self.folder.exists():
+            for old in self.folder.iterdir():
+                if old.name != sources_hash():
+                    shutil.rmtree(old, ignore_errors=True)
