@@ -43,7 +43,7 @@ class Places:
 
 
 def _by_run(main: Callable[[list[str]], object]) -> Callable[[list[str], Any], tuple[Any, str]]:
-    """A command whose main is given to `studies._run.run`."""
+    """A command whose main is given to `studies.running.command_line.run`."""
 
     def go(argv: list[str], capsys: Any) -> tuple[Any, str]:
         given, sys.argv = sys.argv, ["command", *argv]
@@ -85,7 +85,7 @@ def _mains() -> dict[str, Callable[[list[str], Any], tuple[Any, str]]]:
         "rocking": _by_return(main("rocking.__main__")), "excitation": _by_return(main("excitation.__main__")),
         "loop": _by_return(main("studies.loop.__main__")), "trials": _by_return(main("studies.loop_trials")),
         "studies": _by_run(main("studies.__main__")), "sweep": _by_run(main("studies.sweep.__main__")),
-        "campaigns": _by_run(main("studies.campaigns.__main__")), "claims": _by_run(main("studies.claims")),
+        "campaigns": _by_run(main("studies.campaigns.__main__")), "claims": _by_run(main("studies.claims.__main__")),
         "compare": _by_run(main("studies.compare")), "animation": _by_run(main("studies.animation.__main__")),
         "falls": _by_run(main("studies.will_it_fall")),
     }  # fmt: skip

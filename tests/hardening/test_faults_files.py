@@ -242,7 +242,9 @@ def test_dev_full_is_told_from_a_full_disk_by_its_name():
     if not os.path.exists("/dev/full"):
         pytest.skip("no /dev/full")
     done = subprocess.run(
-        [sys.executable, "-c", "from studies import _run; from pathlib import Path\n"
+        [sys.executable, "-c", "from studies.running.command_line import run\n"
+         "from studies.running.files import save_text\n"
+         "from pathlib import Path\n"
          "run(lambda argv: save_text('x' * 10**6, Path('/dev/full')), 'finished runs are kept')"],
         capture_output=True, text=True,
     )  # fmt: skip

@@ -110,6 +110,7 @@ def test_the_overturning_time_moves_with_the_shaking_as_in_the_reference() -> No
     assert slope.overturning_time["rate"] == pytest.approx(expected, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_derivatives_with_friction_are_those_of_the_reference_while_the_block_slides() -> None:
     def run(x: dict[str, Any]) -> Any:
         par = parameters_for(SLIDING, friction=x["friction"])

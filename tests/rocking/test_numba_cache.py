@@ -53,6 +53,7 @@ def edit(path: Path, old: str, new: str) -> None:
 
 
 # With p^2 doubled every time of free rocking shrinks by sqrt(2): theta'' = -p^2 (...), time enters through p t alone.
+@pytest.mark.slow
 def test_method_1_is_compiled_once_and_again_when_its_physics_is_edited(package: Path) -> None:
     first = second_impact(package, "method1")
     compiled = cache_files(package)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from studies import claims
+from studies.claims import __main__ as claims
 from studies.claims.bounds import CLAIMS
 from studies.claims.table import DOES_NOT, HOLDS, UNDECIDED, Claim, Finding, table
 from studies.running.files import BadInputError

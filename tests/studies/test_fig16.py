@@ -143,7 +143,7 @@ def test_same_plan_gives_the_same_numbers(quick):
     ],
 )
 def test_bad_option_is_one_sentence_before_any_work(arguments, sentence, tmp_path, capsys):
-    with pytest.raises(fig16._run.BadInputError) as refusal:
+    with pytest.raises(fig16.BadInputError) as refusal:
         fig16.main([*arguments, "--out", str(tmp_path / "out")])
     assert str(refusal.value) == sentence
     assert not (tmp_path / "out").exists()
