@@ -23,6 +23,7 @@ from studies.campaigns import Campaign, CampaignError, read
 from studies.loop.closing import STANDARD_GRAVITY, close
 from studies.loop.dataset import dataset, save
 from studies.loop.finding_file import as_json, write_finding
+from studies.loop.keeping import Keeper
 from studies.loop.model_file import ModelError, read_model, write_model
 from studies.loop.next_test import next_test
 from studies.loop.outcomes.command import close_outcomes
@@ -33,7 +34,10 @@ from studies.running.command_line import said_of
 from studies.running.files import BadInputError, writable_folder
 from studies.running.lock import alone
 
-KEPT = "what was in the folder of --out before is as it was, the same command begins again"
+KEPT = (
+    "what was in the folder of --out before is as it was, fits that were finished are kept, the same command goes on "
+    "from there"
+)
 
 
 class _Progress:
@@ -53,8 +57,10 @@ UNFINISHED = ".unfinished-"
 
 
 @contextmanager
-def _together(folder: Path) -> Iterator[Path]:
+def _together(folder: Path, keeper: Keeper | None = None) -> Iterator[Path]:
     """A folder to write into, whose files come into `folder` when all are there: they belong to one finding.
+
+    keeper: forgets what it kept when the files are there.
 
     Raises:
         BadInputError: the folder cannot be written to, or another run is at work in it.
@@ -67,6 +73,8 @@ def _together(folder: Path) -> Iterator[Path]:
             yield Path(made)
             for path in sorted(Path(made).iterdir()):
                 os.replace(path, folder / path.name)
+            if keeper is not None:
+                keeper.clear()
 
 
 def _close(arguments: argparse.Namespace) -> None:
@@ -74,18 +82,21 @@ def _close(arguments: argparse.Namespace) -> None:
         raise BadInputError(f"--gravity {arguments.gravity}: want a positive number [m/s^2]")
     campaign = read(arguments.campaign)
     tell = _Progress(arguments.quiet)
-    with _together(arguments.out) as folder:
+    keeper = Keeper(arguments.out)
+    with _together(arguments.out, keeper) as folder:
         if campaign.holds_outcomes_alone:
             gravity = STANDARD_GRAVITY if arguments.gravity is None else arguments.gravity
-            said = close_outcomes(campaign, folder, gravity, tell)
+            said = close_outcomes(campaign, folder, gravity, tell, keeper)
         else:
-            said = _close_records(campaign, arguments.gravity, folder, tell)
+            said = _close_records(campaign, arguments.gravity, folder, tell, keeper)
     print(said)
 
 
-def _close_records(campaign: Campaign, gravity: float | None, folder: Path, tell: Callable[[str], None]) -> str:
+def _close_records(
+    campaign: Campaign, gravity: float | None, folder: Path, tell: Callable[[str], None], keeper: Keeper
+) -> str:
     """Close the loop on records and write all files into the folder; the finding in a line."""
-    finding = close(campaign, g=gravity, tell=tell)
+    finding = close(campaign, g=gravity, tell=tell, keeper=keeper)
     write_model(finding.before, folder / "baseline.toml", campaign.title)
     write_model(replace(finding.after, number=len(campaign.tests)), folder / "model.toml", campaign.title)
     content = as_json(finding, next_test(finding))

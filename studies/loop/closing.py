@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from studies.campaigns import Campaign
 from studies.loop.fitting import Fit
+from studies.loop.keeping import Keeper
 from studies.loop.learned_curves import Curve, curves
 from studies.loop.learning import LEARNED, learn
 from studies.loop.model import LoopModel
@@ -98,7 +99,9 @@ class Finding:
         return "rms of the accelerometers on the block, median over tests (no rotation was measured)"
 
 
-def close(campaign: Campaign, *, g: float | None = None, tell: Tell = lambda text: None) -> Finding:
+def close(
+    campaign: Campaign, *, g: float | None = None, tell: Tell = lambda text: None, keeper: Keeper | None = None
+) -> Finding:
     """Close the loop on a campaign with records of the response.
 
     Args:
@@ -106,12 +109,13 @@ def close(campaign: Campaign, *, g: float | None = None, tell: Tell = lambda tex
         g: gravity at the laboratory [m/s^2]; if not given, `STANDARD_GRAVITY`, or what accelerometers on the block
             read.
         tell: is told what is being done.
+        keeper: keeps fits that are finished; a later call takes them from there.
 
     Raises:
         CampaignError: the data cannot support a finding; it says why.
     """
     declared = _declared(campaign, STANDARD_GRAVITY if g is None else g)
-    setup = prepare(campaign, declared)
+    setup = prepare(campaign, declared, keeper)
     tell("calibrating the ideal block")
     plain = baseline(setup.simulator, setup.start, setup.swings, gravity=g is None and setup.reads_gravity)
     path, rounds, fits, rivals = _traced(setup, plain, tell)

@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from studies.loop.keeping import Results, digest_of
 from studies.loop.model import LoopModel
 from studies.loop.observing import jobs_of, observe
 from studies.loop.simulation import Simulator
@@ -260,14 +261,65 @@ def fit(
     Returns:
         Fit: the best point that was met.
     """
-    windows = list(windows)
-    damping, converged = start_damping, False
+    how = _How(huber, iterations, tolerance, start_damping, give_up, central)
+    if simulator.keeper is None:
+        return _fit(simulator, model, parameters, windows, how)
+    key = digest_of("fit", simulator.digest, model, tuple(parameters), tuple(windows), how)
+    kept = simulator.keeper.read(key)
+    if kept is not None:
+        return _restored(kept, model, parameters, windows)
+    found = _fit(simulator, model, parameters, windows, how)
+    simulator.keeper.write(key, _results(found))
+    return found
+
+
+@dataclass(frozen=True)
+class _How:
+    """Options of a fit."""
+
+    huber: float
+    iterations: int
+    tolerance: float
+    start_damping: float
+    give_up: float
+    central: bool
+
+
+def _results(found: Fit) -> dict[str, Array]:
+    """A fit as arrays."""
+    return {
+        "values": np.array([found.model.get(p.name) for p in found.parameters]),
+        "states": np.array([(w.theta, w.omega) for w in found.windows]).reshape(len(found.windows), 2),
+        "numbers": np.array([found.chi2, found.rms, found.samples, found.converged]),
+        "covariance": found.covariance,
+        "sizes": np.array([r.size for r in found.residuals], dtype=np.int64),
+        "residuals": np.concatenate([np.zeros(0), *found.residuals]),
+    }
+
+
+def _restored(kept: Results, model: LoopModel, parameters: Sequence[Parameter], windows: Sequence[Window]) -> Fit:
+    """The fit that was kept as arrays."""
+    values = {p.name: float(v) for p, v in zip(parameters, kept["values"], strict=True)}
+    moved = [w.moved(float(a), float(b)) for w, (a, b) in zip(windows, kept["states"], strict=True)]
+    chi2, rms, samples, converged = kept["numbers"]
+    each = np.split(kept["residuals"], np.cumsum(kept["sizes"])[:-1]) if windows else []
+    return Fit(
+        model.changed(values), tuple(parameters), tuple(moved), float(chi2), float(rms), int(samples),
+        kept["covariance"], bool(converged), tuple(each),
+    )  # fmt: skip
+
+
+def _fit(
+    simulator: Simulator, model: LoopModel, parameters: Sequence[Parameter], windows: Sequence[Window], how: _How
+) -> Fit:
+    windows, huber = list(windows), how.huber
+    damping, converged = how.start_damping, False
     objective, lin = math.inf, None
-    for iteration in range(iterations):
-        lin = linearised(simulator, model, parameters, windows, central=central)
+    for iteration in range(how.iterations):
+        lin = linearised(simulator, model, parameters, windows, central=how.central)
         each = objectives(lin.residuals, windows, huber)
         objective = float(each.sum())
-        if iteration >= 3 and objective > give_up:
+        if iteration >= 3 and objective > how.give_up:
             break
         weights = _weights(lin.residuals, huber)
         matrix, gradient, back = _reduced(lin, windows, weights)
@@ -296,7 +348,7 @@ def fit(
         fall = (objective - found) / max(found, 1e-30)
         model, windows, objective = trial, trial_windows, found
         damping = max(damping * 0.2, 1e-9)
-        if fall < tolerance:
+        if fall < how.tolerance:
             converged = True
             break
     return _result(simulator, model, parameters, windows, huber, converged)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from studies.campaigns import Campaign, CampaignError, Channel, motion_groups
 from studies.campaigns.signals import noise as estimated_noise
 from studies.loop import reconstruction
+from studies.loop.keeping import Keeper
 from studies.loop.model import LoopModel
 from studies.loop.simulation import Simulator
 from studies.loop.spread import redrawn
@@ -74,17 +75,18 @@ def held_out(campaign: Campaign, records: Sequence[Record]) -> tuple[int, ...]:
     return tuple(sorted(held))
 
 
-def prepare(campaign: Campaign, declared: LoopModel) -> Setup:
+def prepare(campaign: Campaign, declared: LoopModel, keeper: Keeper | None = None) -> Setup:
     """Records, windows and simulators.
 
     Args:
         campaign: with records of the response.
         declared: the ideal block as declared.
+        keeper: keeps the fits.
 
     Raises:
         CampaignError: the campaign has no response to learn from, or too little of it.
     """
-    simulator = Simulator(campaign.tests)
+    simulator = Simulator(campaign.tests, keeper=keeper)
     base_noise = np.array([_noise(test.channel("base_acceleration_x"), test.base_x, test.time_step)
                            for test in campaign.tests])  # fmt: skip
     sensors = [c for c in campaign.channels if c.kind == "block_acceleration"]

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from rocking.motion import BaseMotion, base_at, pitch_kernel
 from rocking.solvers.numba.windows import Start, run_windows
 from studies.campaigns import Test
 from studies.campaigns.base_motion import base_motion
+from studies.loop.keeping import Keeper, digest_of
 from studies.loop.model import LoopModel
 
 Array = NDArray[np.float64]
@@ -85,10 +87,13 @@ class Simulator:
     Args:
         tests: in the order of the indices that jobs use.
         numbers: of the tests, as they were done; their indices if not given.
+        keeper: keeps what was found with it (`studies.loop.fitting.fit`); nothing is kept if not given.
     """
 
-    def __init__(self, tests: Sequence[Test], numbers: Sequence[int] | None = None) -> None:
-        self.tests = tuple(tests)
+    def __init__(
+        self, tests: Sequence[Test], numbers: Sequence[int] | None = None, keeper: Keeper | None = None
+    ) -> None:
+        self.tests, self.keeper = tuple(tests), keeper
         self.numbers = tuple(range(len(self.tests))) if numbers is None else tuple(numbers)
         bases = [self._recorded(test) for test in self.tests]
         size = max((base.parameters.size for base in bases), default=0)
@@ -96,6 +101,11 @@ class Simulator:
         self.spans = [(float(test.time[0]), float(test.time[-1])) for test in self.tests]
         self._altered: dict[tuple[int, Any], BaseMotion] = {}
         self._sampled: dict[tuple[int, int], tuple[BaseMotion, Base]] = {}
+
+    @cached_property
+    def digest(self) -> str:
+        """A hash of the tests."""
+        return digest_of(self.tests, self.numbers)
 
     @classmethod
     def joined(cls, first: Simulator, second: Simulator) -> Simulator:

@@ -146,7 +146,7 @@ def measured(folder):
 
 
 @pytest.mark.slow
-def test_the_loop_killed_or_interrupted_leaves_what_was_there_and_a_second_is_refused(tmp_path):
+def test_the_loop_killed_or_interrupted_keeps_its_fits_and_what_was_there_and_a_second_is_refused(tmp_path):
     campaign, out = measured(tmp_path / "campaign"), tmp_path / "out"
     out.mkdir()
     before = {"loop.json": "of before", "report.html": "of before"}
@@ -155,7 +155,8 @@ def test_the_loop_killed_or_interrupted_leaves_what_was_there_and_a_second_is_re
     command = faults.command("studies.loop", campaign, "--out", out)
     for way in (signal.SIGKILL, signal.SIGINT):
         child = faults.started(command)
-        faults.wait_for(lambda: bool(list(out.glob(".unfinished-*"))), child)
+        had = len(list(out.glob(".fits/*/*.npz")))
+        faults.wait_for(lambda n=had: len(list(out.glob(".fits/*/*.npz"))) > n + 2, child)
         refused = subprocess.run(command, capture_output=True, text=True)
         assert refused.returncode == 2
         assert f"process {child.pid} is writing it; wait until it is done, or choose another" in refused.stderr
@@ -167,10 +168,18 @@ def test_the_loop_killed_or_interrupted_leaves_what_was_there_and_a_second_is_re
         assert {
             path.name: path.read_text() for path in out.iterdir() if path.is_file() and path.name in before
         } == before
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    kept = {path.name: path.stat().st_mtime_ns for path in out.glob(".fits/*/*.npz")}
+    child = faults.started(command)
+    faults.wait_for(lambda: len(list(out.glob(".fits/*/*.npz"))) > len(kept), child)
+    found = {path.name: path.stat().st_mtime_ns for path in out.glob(".fits/*/*.npz")}
+    assert all(found[name] == when for name, when in kept.items())  # none was done again
+    assert child.communicate(timeout=600) and child.returncode == 0
     names = {"baseline.toml", "model.toml", "loop.json", "loop.nc", "report.html"}
     assert {path.name for path in out.iterdir()} == names
+    fresh = subprocess.run(faults.command("studies.loop", campaign, "--out", tmp_path / "fresh"), capture_output=True)
+    assert fresh.returncode == 0
+    for name in ("baseline.toml", "model.toml", "loop.json"):
+        assert (tmp_path / "fresh" / name).read_bytes() == (out / name).read_bytes(), name
     predict = faults.command("studies.loop", "predict", out / "model.toml", campaign, "--out", tmp_path / "ahead")
     assert subprocess.run(predict, capture_output=True).returncode == 0
     with xr.open_datatree(out / "loop.nc") as tree:

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.stats import binom
 
 from studies.campaigns import Campaign
+from studies.loop.keeping import Keeper
 from studies.loop.model import LoopModel
 from studies.loop.outcomes.candidates import forms, terms
 from studies.loop.outcomes.data import OutcomeData, cheap, prepare, redrawn
@@ -52,20 +53,23 @@ DECLARED_NOISE = Noise(0.01, 0.005)
 """Of the declared values, which come without any: one run decides."""
 
 
-def close(campaign: Campaign, *, g: float, tell: Tell = lambda text: None) -> OutcomeFinding:
+def close(
+    campaign: Campaign, *, g: float, tell: Tell = lambda text: None, keeper: Keeper | None = None
+) -> OutcomeFinding:
     """Close the loop on a campaign that holds outcomes alone.
 
     Args:
         campaign: as `studies.campaigns.read` gives it.
         g: gravity at the laboratory [m/s^2].
         tell: is told what is being done.
+        keeper: keeps runs that are finished; a later call takes them from there.
 
     Raises:
         CampaignError: the outcomes cannot support a finding; it says why.
     """
     data = prepare(campaign)
     fitted, group = data.fitted, data.group[data.fitted]
-    runs = Runs([data.tests[i] for i in fitted], [data.numbers[i] for i in fitted], campaign.block)
+    runs = Runs([data.tests[i] for i in fitted], [data.numbers[i] for i in fitted], campaign.block, keeper)
     search = Search(runs, data.fell[fitted], tell)
     declared = declared_model(campaign, g)
     tell("calibrating the ideal block")
@@ -81,7 +85,7 @@ def close(campaign: Campaign, *, g: float, tell: Tell = lambda text: None) -> Ou
              "after": (chosen.top.model, chosen.top.noise)}  # fmt: skip
     falls = falls_at_strengths(
         [model for model, _ in shown.values()], [noise.spread for _, noise in shown.values()], data.tests, data.numbers,
-        tell,
+        tell, keeper,
     )  # fmt: skip
     stages = {
         name: Stage(model, noise, probability(falls[k], FINE, noise))

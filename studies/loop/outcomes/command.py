@@ -9,6 +9,7 @@ from pathlib import Path
 from studies.campaigns import Campaign
 from studies.loop.dataset import save
 from studies.loop.finding_file import write_finding
+from studies.loop.keeping import Keeper
 from studies.loop.outcomes.closing import close
 from studies.loop.outcomes.dataset import dataset
 from studies.loop.outcomes.finding import as_json
@@ -16,13 +17,15 @@ from studies.loop.outcomes.prediction import write_outcome_model
 from studies.loop.outcomes.report import write_report
 
 
-def close_outcomes(campaign: Campaign, folder: Path, g: float, tell: Callable[[str], None]) -> str:
+def close_outcomes(
+    campaign: Campaign, folder: Path, g: float, tell: Callable[[str], None], keeper: Keeper | None = None
+) -> str:
     """Close the loop and write all files into the folder; the finding in a line.
 
     Raises:
         CampaignError: the outcomes cannot support a finding; it says why.
     """
-    finding = close(campaign, g=g, tell=tell)
+    finding = close(campaign, g=g, tell=tell, keeper=keeper)
     before, after = finding.stages["before"], finding.stages["after"]
     write_outcome_model(before.model, before.noise, folder / "baseline.toml", campaign.title)
     last = replace(after.model, number=len(campaign.tests))

@@ -22,6 +22,7 @@ import numpy as np
 
 from studies.campaigns import Campaign, Test
 from studies.campaigns.errors import shown
+from studies.loop.keeping import Keeper
 from studies.loop.model import LoopModel
 from studies.loop.model_file import ModelError, write_model
 from studies.loop.outcomes.data import scaled
@@ -40,7 +41,7 @@ LEAST_WEIGHT = 1e-3
 
 def falls_at_strengths(
     models: Sequence[LoopModel], spreads: Sequence[float], tests: Sequence[Test], numbers: Sequence[int],
-    tell: Callable[[str], None] = lambda text: None,
+    tell: Callable[[str], None] = lambda text: None, keeper: Keeper | None = None,
 ) -> Falls:  # fmt: skip
     """Whether each model falls under whole records at each of the strengths, shape (model, strength, test).
 
@@ -54,7 +55,7 @@ def falls_at_strengths(
         tell(f"predicting whole records, strength {done} of {len(FINE)}")
         wanted = [i for i in range(len(models)) if k == middle or counts[i, k]]
         if wanted:
-            simulator = Simulator([scaled(test, math.exp(FINE[k])) for test in tests], list(numbers))
+            simulator = Simulator([scaled(test, math.exp(FINE[k])) for test in tests], list(numbers), keeper)
             out[wanted, k] = falls_of(simulator, [models[i] for i in wanted])
         for i in set(range(len(models))) - set(wanted):
             out[i, k] = out[i, middle]

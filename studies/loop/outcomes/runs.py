@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies.campaigns import DeclaredBlock, Test
+from studies.loop.keeping import Keeper, digest_of
 from studies.loop.model import LoopModel
 from studies.loop.outcomes.data import cheap, scaled
 from studies.loop.simulation import Answer, Job, Simulator
@@ -45,6 +46,17 @@ def falls_of(simulator: Simulator, models: Sequence[LoopModel]) -> Falls:
     Raises:
         ValueError: a model's effects do not go together or are out of range.
     """
+    if simulator.keeper is None:
+        return _falls_of(simulator, models)
+    key = digest_of("falls", simulator.digest, tuple(models))
+    kept = simulator.keeper.read(key)
+    if kept is None:
+        kept = {"fell": _falls_of(simulator, models)}
+        simulator.keeper.write(key, kept)
+    return kept["fell"]
+
+
+def _falls_of(simulator: Simulator, models: Sequence[LoopModel]) -> Falls:
     jobs = [
         Job(k, i, np.array([float(test.time[-1])]), float(test.time[0]), float(test.initial_rotation or 0.0))
         for k in range(len(models))
@@ -62,18 +74,20 @@ class Runs:
         tests: to run on, in the order of the outcomes.
         numbers: of the tests in the campaign.
         block: as declared.
+        keeper: keeps what was run.
     """
 
     tests: Sequence[Test]
     numbers: Sequence[int]
     block: DeclaredBlock
+    keeper: Keeper | None = None
     _simulators: dict[float, Simulator] = field(default_factory=dict)
     _known: dict[tuple[object, float], Falls] = field(default_factory=dict)
 
     def _simulator(self, strength: float) -> Simulator:
         if strength not in self._simulators:
             tests = [scaled(cheap(test, self.block), math.exp(strength)) for test in self.tests]
-            self._simulators[strength] = _Forgetful(tests, list(self.numbers))
+            self._simulators[strength] = _Forgetful(tests, list(self.numbers), self.keeper)
         return self._simulators[strength]
 
     def falls(self, models: Sequence[LoopModel], strengths: Sequence[float] = NOMINAL) -> Falls:
