@@ -32,12 +32,12 @@ from excitation import RampedSinusoid
 from rocking import Method1, solve
 from rocking.instruments import accelerometer, marker
 from studies.claims.bounds import CLAIMS
-from studies.claims.table import Finding, listed, table
 from studies.criteria.columns import G
 from studies.criteria.free_vibration import RELEASE
 from studies.running.labelled import PAPER, gathered, names_axis
 from studies.running.parts import Parts
 from studies.running.plot import caption, new_figure
+from studies.running.statements import Finding, listed, table
 from studies.running.study import Study
 from studies.specimens import specimen
 

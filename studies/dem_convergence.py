@@ -18,11 +18,11 @@ from matplotlib.figure import Figure
 
 import dem
 from rocking import Method1, solve
-from studies.claims.table import Claim, Finding, listed, table
 from studies.criteria.free_vibration import scene_of
 from studies.criteria.overturning import STIFFNESS
 from studies.running.parts import Parts, Result
 from studies.running.plot import caption, new_figure
+from studies.running.statements import Claim, Finding, listed, table
 from studies.running.study import Study
 from studies.specimens import specimen
 

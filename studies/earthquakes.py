@@ -20,13 +20,13 @@ from matplotlib.figure import Figure
 import dem
 from excitation import KanaiTajimi, scaled_to
 from studies.claims.bounds import CLAIMS
-from studies.claims.table import Finding, listed, table
 from studies.criteria.columns import COLUMN_BLOCK, G, fitted_dashpot
 from studies.criteria.overturning import STIFFNESS
 from studies.running.command_line import positive
 from studies.running.labelled import PAPER, names_axis
 from studies.running.parts import Parts
 from studies.running.plot import caption, new_figure
+from studies.running.statements import Finding, listed, table
 from studies.running.study import Study
 from studies.specimens import specimen
 

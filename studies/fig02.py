@@ -13,10 +13,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from studies.claims.bounds import CLAIMS
-from studies.claims.table import Finding, listed, table
 from studies.criteria.columns import ColumnSettings, G
 from studies.families import records as record_figures
 from studies.running.parts import Parts
+from studies.running.statements import Finding, listed, table
 from studies.running.study import Study
 
 BLOCK = 2

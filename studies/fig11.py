@@ -13,11 +13,11 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from studies.claims.preliminary_bounds import CLAIMS
-from studies.claims.table import Finding, table
 from studies.families import drop_test
 from studies.families.drop_test import DropPlan, rms
 from studies.running.parts import Parts
 from studies.running.plot import COLOURS, caption, new_figure
+from studies.running.statements import Finding, table
 from studies.running.study import Study
 
 

@@ -18,11 +18,11 @@ from matplotlib.figure import Figure
 
 from dem.drop import largest_step_as_good
 from studies.claims.preliminary_bounds import CLAIMS
-from studies.claims.table import Finding, listed, table
 from studies.families import drop_test
 from studies.families.drop_test import DropPlan, rms
 from studies.running.parts import Parts
 from studies.running.plot import caption, new_figure
+from studies.running.statements import Finding, listed, table
 from studies.running.study import Study
 
 LOST = 3.3e-6

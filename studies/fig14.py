@@ -11,9 +11,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from studies.claims.bounds import CLAIMS
-from studies.claims.table import Finding, listed, table
 from studies.families import onset as onset_figures
 from studies.running.parts import Parts
+from studies.running.statements import Finding, listed, table
 from studies.running.study import Study
 
 BLOCKS = (1, 2, 3, 4)

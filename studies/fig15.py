@@ -24,13 +24,13 @@ from rocking.effects.rounded_edges import RoundedEdges
 from rocking.effects.table_pitch import TablePitch
 from rocking.effects.vertical_motion import VerticalMotion
 from studies.claims.bounds import CLAIMS
-from studies.claims.table import Finding, listed, table
 from studies.criteria.rocking_onset import OnsetJob, OnsetSettings, onset
 from studies.families import onset as onset_figures
 from studies.families.onset import BLOCK_COLOURS, STYLES, OnsetPlan
 from studies.running.labelled import gathered, names_axis
 from studies.running.parts import Parts
 from studies.running.plot import caption, new_figure
+from studies.running.statements import Finding, listed, table
 from studies.running.study import Study
 from studies.specimens import specimen
 

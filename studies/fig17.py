@@ -12,9 +12,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from studies.animation.frames import frames
-from studies.claims.table import table
-from studies.criteria import column_runs
 from studies.criteria.columns import Column
+from studies.families import column_runs
+from studies.running.statements import table
 from studies.running.study import Study
 
 COLUMN = Column(2)

@@ -10,10 +10,10 @@ from __future__ import annotations
 import xarray as xr
 from matplotlib.figure import Figure
 
-from studies.claims.table import table
 from studies.criteria.columns import Column
 from studies.families import columns as columns_figures
 from studies.running.parts import Parts
+from studies.running.statements import table
 from studies.running.study import Study
 
 COLUMNS = (Column(2),)

@@ -12,10 +12,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from studies.claims.bounds import CLAIMS
-from studies.claims.table import Finding, listed, table
 from studies.criteria.columns import Column
 from studies.families import columns as columns_figures
 from studies.running.parts import Parts
+from studies.running.statements import Finding, listed, table
 from studies.running.study import Study
 
 COLUMNS = (Column(2), Column(2, 0.0))

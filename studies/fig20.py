@@ -17,13 +17,13 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from studies.claims.bounds import CLAIMS
-from studies.claims.table import Finding, listed, table
-from studies.criteria import column_runs
 from studies.criteria.columns import Column, ColumnJob, G, criterion
+from studies.families import column_runs
 from studies.families.columns import LABELS
 from studies.running.labelled import FREQUENCIES, QUICK_FREQUENCIES, frequency_axis, gathered
 from studies.running.parts import Parts
 from studies.running.plot import caption, new_figure
+from studies.running.statements import Finding, listed, table
 from studies.running.study import Study
 from studies.specimens import specimen
 

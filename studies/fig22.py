@@ -15,9 +15,9 @@ from matplotlib.figure import Figure
 
 from studies.animation.frames import frames
 from studies.claims.bounds import CLAIMS
-from studies.claims.table import Finding, listed, table
-from studies.criteria import column_runs
 from studies.criteria.columns import Column
+from studies.families import column_runs
+from studies.running.statements import Finding, listed, table
 from studies.running.study import Study
 
 COLUMN = Column(3)

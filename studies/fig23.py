@@ -11,10 +11,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from studies.claims.bounds import CLAIMS
-from studies.claims.table import Finding, table
 from studies.criteria.columns import COLUMN_BLOCK, Column, G
 from studies.families import columns as columns_figures
 from studies.running.parts import Parts
+from studies.running.statements import Finding, table
 from studies.running.study import Study
 from studies.specimens import specimen
 

@@ -21,7 +21,6 @@ from matplotlib.figure import Figure
 from rocking import Method2, Mode, solve
 from rocking.instruments import marker
 from studies.claims.bounds import CLAIMS
-from studies.claims.table import Finding, listed, table
 from studies.criteria.columns import Column, ColumnJob, ColumnSettings, G, criterion
 from studies.criteria.overturning import METHOD_LABELS, Settings, overturning
 from studies.running.command_line import positive
@@ -29,6 +28,7 @@ from studies.running.files import BadInputError
 from studies.running.labelled import FREQUENCIES, QUICK_FREQUENCIES, frequency_axis, gathered, names_axis
 from studies.running.parts import Parts
 from studies.running.plot import COLOURS, caption, new_figure
+from studies.running.statements import Finding, listed, table
 from studies.running.study import Study
 from studies.specimens import specimen
 

@@ -19,7 +19,6 @@ from matplotlib.figure import Figure
 
 from rocking import solve
 from studies.claims.bounds import CLAIMS
-from studies.claims.table import Finding, listed, table
 from studies.criteria.columns import G
 from studies.criteria.overturning import METHOD_LABELS, Settings, system_of
 from studies.running.command_line import positive
@@ -27,6 +26,7 @@ from studies.running.files import BadInputError
 from studies.running.labelled import block_axis, frequency_axis, gathered, names_axis
 from studies.running.parts import Parts
 from studies.running.plot import caption, new_figure
+from studies.running.statements import Finding, listed, table
 from studies.running.study import Study
 from studies.specimens import specimen
 

@@ -20,12 +20,12 @@ import dem
 from rocking import Method1, solve
 from rocking.effects.compliant_base import CompliantBase
 from studies.claims.bounds import CLAIMS
-from studies.claims.table import Finding, listed, table
 from studies.criteria.free_vibration import FRICTION, RELEASE, scene_of
 from studies.criteria.overturning import STIFFNESS
 from studies.running.labelled import PAPER
 from studies.running.parts import Parts
 from studies.running.plot import caption, new_figure
+from studies.running.statements import Finding, listed, table
 from studies.running.study import Study
 from studies.specimens import specimen
 

@@ -28,11 +28,11 @@ from excitation.intensities import peak
 from rocking import Block, Method1, solve_batch
 from rocking.closed_forms import ishiyama_velocity, west_acceleration
 from studies.claims.bounds import CLAIMS
-from studies.claims.table import Finding, listed, table
 from studies.criteria.columns import G
 from studies.running.labelled import PAPER, names_axis
 from studies.running.parts import Parts
 from studies.running.plot import caption, new_figure
+from studies.running.statements import Finding, listed, table
 from studies.running.study import Study
 
 GROUNDS = {"firm": 2.5, "soft": 1.0}

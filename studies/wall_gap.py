@@ -20,13 +20,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
 from studies.claims.bounds import CLAIMS
-from studies.claims.table import Finding, listed, table
 from studies.criteria.columns import Column, ColumnJob, ColumnSettings, G, criterion
 from studies.families.columns import LABELS, QUICK_DURATION, arguments
 from studies.running.command_line import positive
 from studies.running.labelled import PAPER, frequency_axis, gathered
 from studies.running.parts import Parts
 from studies.running.plot import caption, new_figure
+from studies.running.statements import Finding, listed, table
 from studies.running.study import Study
 
 FAR = 2.0

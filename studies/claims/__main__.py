@@ -19,7 +19,6 @@ from typing import Any
 import xarray as xr
 
 from studies.claims.bounds import CLAIMS
-from studies.claims.table import HOLDS, UNDECIDED, VERDICTS, Claim, Finding, table
 from studies.running.command_line import DEFAULT_OUT, run
 from studies.running.files import (
     BadInputError,
@@ -31,6 +30,7 @@ from studies.running.files import (
     write_whole,
 )
 from studies.running.registry import studies
+from studies.running.statements import HOLDS, UNDECIDED, VERDICTS, Claim, Finding, table
 from studies.running.study import Study
 
 MISSING = "its study has not been made"
@@ -74,7 +74,7 @@ def _checked(study: Study, path: Path) -> xr.Dataset:
 
 
 def _complete(rows: xr.Dataset, study: str) -> xr.Dataset:
-    """The rows with every column of `claims.table.table`, those that are missing empty, and the name of the study."""
+    """The rows with every column of the table of statements, what is missing empty, and the study's name."""
     empty = table([Finding(Claim("", "", "", ""), math.nan)])
     count = rows.sizes["statement"]
     columns: dict[str, Any] = {}

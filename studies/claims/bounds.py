@@ -9,7 +9,7 @@ Status   see `python -m studies.claims`
 
 from __future__ import annotations
 
-from studies.claims.table import Claim
+from studies.running.statements import Claim
 
 ROCKING = "Criteria of rocking for single blocks"
 SINGLE = "Criteria of overturning for single blocks"

@@ -8,7 +8,7 @@ Status   a claim that does not hold stays so
 
 from __future__ import annotations
 
-from studies.claims.table import Claim
+from studies.running.statements import Claim
 
 STABILITY = "Numerical stability"
 MATERIAL = "Material parameters"

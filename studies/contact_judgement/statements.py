@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from studies.claims.table import Claim, Finding, listed, table
+from studies.running.statements import Claim, Finding, listed, table
 
 PLACE = "Contact updating and contact judgement"
 DEPENDS = "frequency, growth of the ramp, number of trials"

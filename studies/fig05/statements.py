@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from studies.claims.preliminary_bounds import CLAIMS
-from studies.claims.table import Finding, listed, table
+from studies.running.statements import Finding, listed, table
 
 
 def _moved(at: xr.Dataset, varied: str, what: str) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from studies.claims.bounds import CLAIMS
-from studies.claims.table import Finding, listed, table
+from studies.running.statements import Finding, listed, table
 
 
 def _linearity(ds: xr.Dataset) -> dict[str, float]:

@@ -24,6 +24,7 @@ from studies.loop.closing import Finding
 from studies.loop.dataset_residuals import by_impact, by_stretch, of_onset
 from studies.loop.instruments import accelerations
 from studies.loop.model import LoopModel
+from studies.loop.names import parameter_units
 from studies.loop.scoring import leaning
 from studies.loop.simulation import Answer, Job
 from studies.loop.windows import Record
@@ -204,8 +205,6 @@ def _root(finding: Finding) -> xr.Dataset:
 
 def _parameters(finding: Finding) -> xr.Dataset:
     """Fitted parameters of the model after, with their intervals."""
-    from studies.loop.report.names import parameter_units
-
     names = list(finding.intervals)
     values = np.array([finding.intervals[name] for name in names], dtype=np.float64).reshape(-1, 3)
     texts = ("fitted value", "lower end of the 95 % interval", "upper end of the 95 % interval")

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from studies.campaigns import Test
 from studies.loop.closing import Finding
 from studies.loop.model import LoopModel
-from studies.loop.report.names import readable
+from studies.loop.names import readable
 from studies.loop.simulation import Job, Simulator
 
 Array = NDArray[np.float64]

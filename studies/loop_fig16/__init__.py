@@ -26,7 +26,6 @@ from rocking.effects import load
 from rocking.motion import base_at
 from studies.campaigns import Campaign, Channel, Conditions, DeclaredBlock, Test
 from studies.claims.bounds import CLAIMS
-from studies.claims.table import Finding, listed, table
 from studies.criteria.overturning import Settings, overturning
 from studies.loop.closing import Finding as Closed
 from studies.loop.closing import close
@@ -36,6 +35,7 @@ from studies.running.command_line import one_of, positive
 from studies.running.files import BadInputError
 from studies.running.labelled import FREQUENCIES, PAPER
 from studies.running.parts import Parts, studies_hash
+from studies.running.statements import Finding, listed, table
 from studies.running.study import Study
 from studies.specimens import SIZES, specimen
 

@@ -15,8 +15,8 @@ from typing import Any
 
 import xarray as xr
 
-from studies.claims.table import VERDICTS
 from studies.running.files import load_dataset, save_text
+from studies.running.statements import VERDICTS
 from studies.running.study import Study
 
 PAGE = """<!DOCTYPE html>

@@ -21,7 +21,6 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
-from studies.claims.table import VERDICTS
 from studies.running.command_line import add_common_arguments, run
 from studies.running.files import (
     BadInputError,
@@ -36,6 +35,7 @@ from studies.running.files import (
 from studies.running.labelled import PAPER
 from studies.running.lock import alone
 from studies.running.parts import Parts, hashed, studies_hash
+from studies.running.statements import VERDICTS
 
 
 def _nothing(_: Any) -> None:
@@ -52,7 +52,7 @@ class Study:
     plan: Callable[[argparse.Namespace], Any]  # everything that decides the result; may raise BadInputError
     dataset: Callable[[Any, Parts], xr.Dataset]
     figures: Mapping[str, Callable[[xr.Dataset], Figure | None]]  # by file name without ending; None: not in this one
-    check: Callable[[xr.Dataset], xr.Dataset]  # the paper's statements, as of `studies.claims.table.table`
+    check: Callable[[xr.Dataset], xr.Dataset]  # the paper's statements, as of `studies.running.statements.table`
     arguments: Callable[[argparse.ArgumentParser], None] = _nothing
     say: Callable[[xr.Dataset], None] = _nothing  # prints what else is worth saying
     films: Callable[[xr.Dataset, Path], Sequence[Path]] | None = None  # writes animations into a folder

@@ -104,10 +104,10 @@ def test_the_page_of_an_animation_shows_hostile_names_as_text():
 
 
 def test_the_index_shows_what_a_dataset_says_as_text(tmp_path):
-    from studies.claims.table import Claim, Finding, table
     from studies.running.files import save_dataset
     from studies.running.index_page import write_index
     from studies.running.registry import studies
+    from studies.running.statements import Claim, Finding, table
 
     def made(text):
         folder = tmp_path / str(len(text))

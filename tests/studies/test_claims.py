@@ -9,9 +9,9 @@ import xarray as xr
 
 from studies.claims import __main__ as claims
 from studies.claims.bounds import CLAIMS
-from studies.claims.table import DOES_NOT, HOLDS, UNDECIDED, Claim, Finding, table
 from studies.running.files import BadInputError
 from studies.running.registry import studies
+from studies.running.statements import DOES_NOT, HOLDS, UNDECIDED, Claim, Finding, table
 from studies.running.study import make
 
 

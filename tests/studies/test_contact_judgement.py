@@ -8,7 +8,6 @@ import xarray as xr
 
 import dem
 from studies import contact_judgement, dem_convergence
-from studies.claims.table import DOES_NOT, HOLDS, UNDECIDED
 from studies.contact_judgement.runs import (
     DEFAULT,
     DROP_STEP,
@@ -23,6 +22,7 @@ from studies.contact_judgement.runs import (
 from studies.contact_judgement.statements import CLAIMS, chance, check, shifts
 from studies.criteria.columns import ColumnSettings
 from studies.running.files import BadInputError
+from studies.running.statements import DOES_NOT, HOLDS, UNDECIDED
 from studies.running.study import make
 from studies.specimens import specimen
 

@@ -10,12 +10,12 @@ import dem
 from rocking import Method1, solve
 from studies import fig12
 from studies.claims.preliminary_bounds import CLAIMS
-from studies.claims.table import DOES_NOT, HOLDS
 from studies.criteria.free_vibration import fit_dashpot
 from studies.criteria.overturning import STIFFNESS
 from studies.families import drop_test
 from studies.fig05 import fit as fig05_fit
 from studies.fig05.fit import Released, fitted, misfit
+from studies.running.statements import DOES_NOT, HOLDS
 from studies.running.study import make
 from studies.specimens import specimen
 

@@ -15,8 +15,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from studies.loop.names import parameter_units
 from studies.loop.outcomes.finding import METRIC, STAGES, OutcomeFinding
-from studies.loop.report.names import parameter_units
 from studies.running.files import provenance
 
 COMMAND = "python -m studies.loop CAMPAIGN.toml --out DIR"

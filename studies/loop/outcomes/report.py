@@ -15,12 +15,12 @@ import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from studies.loop.names import OWN, page, parameter_units, readable
 from studies.loop.outcomes import figures, text
 from studies.loop.outcomes.closing import CHANCE, PAYS
 from studies.loop.outcomes.finding import OutcomeFinding, deciding
 from studies.loop.outcomes.search import DRAWS
 from studies.loop.outcomes.weighing import TWIN
-from studies.loop.report.names import OWN, page, parameter_units, readable
 from studies.loop.report.page import TEMPLATE as STYLED
 from studies.loop.report.text import number, with_interval
 from studies.running.files import write_whole

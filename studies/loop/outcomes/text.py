@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from studies.loop.names import page, readable
 from studies.loop.outcomes.search import FINAL
-from studies.loop.report.names import page, readable
 from studies.loop.report.text import effect_words, listed, number
 
 Content = dict[str, Any]

@@ -18,8 +18,8 @@ from markupsafe import Markup
 from studies.campaigns import Campaign
 from studies.loop.closing import Finding
 from studies.loop.model import MOUNTING
+from studies.loop.names import OWN, page, parameter_units, readable
 from studies.loop.report import figures, tables, text
-from studies.loop.report.names import OWN, page, parameter_units, readable
 from studies.loop.rivals import TWIN
 from studies.loop.tracing import LEAST_GAIN, PAYS
 from studies.running.files import write_whole

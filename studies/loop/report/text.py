@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from studies.loop.report.names import page, readable
+from studies.loop.names import page, readable
 
 Content = dict[str, Any]
 

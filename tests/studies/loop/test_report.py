@@ -11,8 +11,8 @@ import pytest
 from rocking.effects import available
 from studies.loop.dataset import dataset
 from studies.loop.finding_file import as_json
+from studies.loop.names import page, readable
 from studies.loop.report.figures import Points, binned
-from studies.loop.report.names import page, readable
 from studies.loop.report.page import report, write_report
 from studies.loop.report.text import evidence, number, reason, with_interval
 
