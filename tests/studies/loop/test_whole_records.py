@@ -1,0 +1,42 @@
+"""Effects that swings only hint at: confirmed by whole records, and not asked about where these say nothing.
+
+The campaign is of the virtual laboratory, which shares no code with the models.
+"""
+
+from types import SimpleNamespace
+
+import pytest
+
+from studies.campaigns import read
+from studies.laboratory.campaign import make_campaign
+from studies.laboratory.parameters import G
+from studies.loop import closing, whole_records
+from studies.loop.tracing import all_candidates
+from studies.loop.whole_records import MISSED, hinted
+
+RIVALS = {"compliant_base", "sliding", "base_tilt", "viscous_damping", "base_motion_lag"}
+
+
+@pytest.mark.slow
+def test_a_floor_too_stiff_for_one_swing_is_found_in_whole_records(tmp_path, monkeypatch):
+    truth = make_campaign(2001, ["compliant_base"], tmp_path)
+    monkeypatch.setattr(
+        closing, "all_candidates", lambda model: tuple(c for c in all_candidates(model) if c.effect in RIVALS)
+    )
+    finding = closing.close(read(tmp_path / "campaign"), g=G)
+    assert finding.verdict == "effect" and finding.chosen.effects == ("compliant_base",)
+    assert any(note.startswith("single swings only hint at compliant_base") for note in finding.notes)
+    value = finding.after.get("compliant_base.corner_stiffness")
+    # What shows is how much later impacts come, which falls with the root of the stiffness: a fifth of it is a tenth.
+    assert value == pytest.approx(truth.parameters["compliant_base.corner_stiffness"], rel=0.2)
+    assert finding.errors["after"].holdout < 0.5 * finding.errors["before"].holdout
+
+
+@pytest.mark.parametrize("rms, windows", [(MISSED - 0.01, ["a window"]), (10.0, [])], ids=["met", "unpredictable"])
+def test_whole_records_that_are_met_or_not_predictable_are_not_asked(rms, windows, monkeypatch):
+    def fail(*_, **__):
+        raise AssertionError("something was fitted")
+
+    monkeypatch.setattr(whole_records, "predictable", lambda given: given)
+    monkeypatch.setattr(whole_records, "fit", fail)
+    assert hinted(None, None, SimpleNamespace(rms=rms, windows=windows), None) == ()
