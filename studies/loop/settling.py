@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies.loop.fitting import Fit, Parameter, fit, residuals, robust_covariance
+from studies.loop.learning import LEARNED
 from studies.loop.model import LoopModel
 from studies.loop.preparing import Setup
 from studies.loop.spread import variances, weighed
@@ -23,6 +24,15 @@ Array = NDArray[np.float64]
 
 PREDICTABLE = 2.0
 """Standard deviation of a sample by all noise, over that by the sensor's, up to which a record is predictable."""
+
+NEIGHBOURS = 11
+"""Starts about the swings' estimate from which whole records are fitted."""
+
+ENDED = 4
+"""So many of these fits, the best, are ended."""
+
+SAME = 3.0
+"""Minima closer than this many standard deviations are one."""
 
 FEWEST_SAMPLES = 20
 """Of a part of a record that says something [1]."""
@@ -70,10 +80,13 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
     parameters = trial.every
     names = tuple(p.name for p in parameters)
     # Whole records of accelerometers hang too finely on when the side changes for a covariance to say how finely.
-    told = _while_predictable(setup, trial, whole) if setup.by_rotation else None
-    fits = [f for f in (trial.swing, told) if f is not None and f.parameters]
+    minima = _while_predictable(setup, trial, whole) if setup.by_rotation else []
+    fits = [f for f in (trial.swing, *minima[:1]) if f.parameters]
     # A fit that is worse than the noise has parameters that are less sure than the noise says.
     covariances = [max(1.0, f.rms**2) * robust_covariance(setup.simulator, setup.noisy, f) for f in fits]
+    apart = _apart(minima, covariances[-1]) if len(minima) > 1 and trial.every else None
+    if apart is not None:
+        covariances[-1] = covariances[-1] + apart
     scale = np.array([p.scale * (f_value if p.log else 1.0) for p, f_value in _at(parameters, whole.model)])
     total, weighted = np.zeros((len(names), len(names))), np.zeros(len(names))
     for found, covariance in zip(fits, covariances, strict=True):
@@ -87,6 +100,9 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
         weighted[at] += information @ (np.array([found.model.get(names[k]) for k in at]) / scale[at])
     joint = np.linalg.pinv(total, rcond=1e-14)
     both = scale * (joint @ weighted)
+    if apart is not None and np.any(np.diag(apart) > np.diag(covariances[-1] - apart)):
+        # Between minima lies none: the best one is what predicts.
+        both = np.array([minima[0].model.get(name) for name in names])
     known = {p.name: min(max(float(v), p.low), p.high) for p, v in zip(parameters, both, strict=True)}
     model = whole.model.changed(known)
     leans = fit(setup.simulator, model, [], whole.windows, huber=10.0, iterations=4, central=True)
@@ -120,15 +136,62 @@ def predictable(windows: Sequence[Window]) -> list[Window]:
     return out
 
 
-def _while_predictable(setup: Setup, trial: Trial, whole: Fit) -> Fit | None:
-    """The parameters fitted to what is predictable of whole records, from either estimate; None if none is."""
+def _while_predictable(setup: Setup, trial: Trial, whole: Fit) -> list[Fit]:
+    """The parameters fitted to what is predictable of whole records, the best first; none if nothing is.
+
+    The fits begin at either estimate and about that of the swings, since the sum of squares may have many minima.
+    """
     windows, fits = predictable(whole.windows), []
     if not windows:
-        return None
-    for model in (whole.model, trial.swing.model):
+        return []
+    named = [part for part in trial.parts if part.in_swings and part.effect != LEARNED]
+    about = [model for part in named for model in neighbours(trial.swing, part.parameters[0])]
+    for model in (whole.model, trial.swing.model, *about):
         leans = fit(setup.simulator, model, [], windows, huber=10.0, iterations=4, central=True)
-        fits.append(fit(setup.simulator, model, trial.every, leans.windows, huber=10.0, iterations=12, central=True))
-    return min(fits, key=lambda f: f.chi2)
+        fits.append(fit(setup.simulator, model, trial.every, leans.windows, huber=10.0, iterations=4, central=True))
+    fits.sort(key=lambda f: f.chi2)
+    ended = [
+        fit(setup.simulator, f.model, trial.every, f.windows, huber=10.0, iterations=12, central=True)
+        for f in fits[:ENDED]
+    ]  # fmt: skip
+    return sorted([*ended, *fits[ENDED:]], key=lambda f: f.chi2)
+
+
+def neighbours(found: Fit, p: Parameter) -> list[LoopModel]:
+    """Models up to two standard deviations from a fit in one of its parameters: whole records are rugged."""
+    if p not in found.parameters:
+        return []
+    k = found.parameters.index(p)
+    value, sd = found.model.get(p.name), math.sqrt(max(float(found.covariance[k, k]), 0.0))
+    out: list[LoopModel] = []
+    for share in np.linspace(-2.0, 2.0, NEIGHBOURS if sd > 0.0 else 0):
+        moved = min(max(value + float(share) * sd, p.low), p.high)
+        try:
+            model = found.model.changed({p.name: moved})
+            model.system  # noqa: B018 - refuses what does not go together
+        except ValueError:
+            continue
+        out.append(model)
+    return out
+
+
+def _apart(minima: Sequence[Fit], covariance: Array) -> Array:
+    """What other minima add to the covariance of the best one: they may be the right one if they are nearly as deep.
+
+    How deep counts as by the noise of the base, which moves many samples at once: a difference of chi-square is over
+    as much as the covariance by all noise is over that by the sensor's alone.
+    """
+    best = minima[0]
+    sds = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    together = max(1.0, float(np.max(sds**2 / np.maximum(np.diag(best.covariance), 1e-300))))
+    values = [np.array([f.model.get(p.name) for p in best.parameters]) for f in minima]
+    kept = [0]
+    for k in range(1, len(minima)):
+        if all(np.any(np.abs(values[k] - values[other]) > SAME * sds) for other in kept):
+            kept.append(k)
+    weights = np.array([math.exp(-0.5 * (minima[k].chi2 - best.chi2) / together) for k in kept])
+    away = np.array([values[k] - values[0] for k in kept])
+    return np.asarray((away.T * weights) @ away / weights.sum(), dtype=np.float64)
 
 
 def _at(parameters: Sequence[Parameter], model: LoopModel) -> list[tuple[Parameter, float]]:

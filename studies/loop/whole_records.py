@@ -8,18 +8,14 @@ Status   planted effects that swings only hint at are traced (studies/loop_trial
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-
-import numpy as np
 
 from studies.loop.candidates import Candidate
 from studies.loop.fitting import Fit, fit
-from studies.loop.model import LoopModel
 from studies.loop.preparing import Setup
 from studies.loop.rivals import Rival
 from studies.loop.scoring import errors
-from studies.loop.settling import predictable, whole_fit
+from studies.loop.settling import neighbours, predictable, whole_fit
 from studies.loop.tracing import PAYS, Round, Trial, bic
 
 LEAST_OF_A_SCAN = 0.15
@@ -33,9 +29,6 @@ HINT = 6.0
 
 MOST_HINTS = 3
 """So many of them are fitted to whole records."""
-
-NEIGHBOURS = 7
-"""Starts of such a fit."""
 
 
 def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Trial | None:
@@ -86,7 +79,7 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round) -> tuple[Rival, 
     for trial in hints(onto, tried):
         begun = [
             fit(setup.simulator, model, trial.every, windows, huber=10.0, iterations=4, central=True)
-            for model in _neighbours(trial)
+            for model in neighbours(trial.swing, trial.parts[-1].parameters[0])
         ]
         if not begun:
             continue
@@ -95,26 +88,11 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round) -> tuple[Rival, 
             setup.simulator, nearest.model, trial.every, nearest.windows, huber=10.0, iterations=12, central=True
         )  # fmt: skip
         if own.chi2 < (1.0 - LEAST_OF_A_SCAN) ** 2 * without.chi2:
-            swing = fit(setup.simulator, own.model, onto.every, onto.swing.windows, iterations=3)
+            states = fit(setup.simulator, own.model, [], onto.swing.windows, iterations=3)
+            # As whole records have it: how far the swings would let it go is what they say of it.
+            swing = fit(setup.simulator, own.model, trial.every, states.windows, iterations=0)
             settled = onto.with_(trial.parts[-1], swing)
             ended = whole_fit(setup, settled, whole)
             held = errors(setup, ended.model, ended.windows).holdout
             found.append(Rival(settled, ended, bic(own), bic(ended), held))
     return tuple(sorted(found, key=lambda r: r.criterion))
-
-
-def _neighbours(trial: Trial) -> list[LoopModel]:
-    """Models up to two standard deviations from what the swings say of the last effect: whole records are rugged."""
-    swing, p = trial.swing, trial.parts[-1].parameters[0]
-    k = [q.name for q in swing.parameters].index(p.name)
-    value, sd = swing.model.get(p.name), math.sqrt(max(float(swing.covariance[k, k]), 0.0))
-    out = []
-    for share in np.linspace(-2.0, 2.0, NEIGHBOURS):
-        moved = min(max(value + float(share) * sd, p.low), p.high)
-        try:
-            model = swing.model.changed({p.name: moved})
-            model.system  # noqa: B018 - refuses what does not go together
-        except ValueError:
-            continue
-        out.append(model)
-    return out
