@@ -60,7 +60,7 @@ def test_another_minimum_nearly_as_deep_widens_the_interval_to_reach_it() -> Non
         return found
 
     best, covariance = minimum(1.0, 900.0), np.array([[4e-4]])
-    # As deep: the mean of the squares of 0 and 0.5. The noise of all is 4 times that of the sensor: 8 in chi-square is 2.
+    # As deep: the mean of the squares of 0 and 0.5. With all noise 4 times that of the sensor, 8 in chi-square are 2.
     assert _apart([best, minimum(1.5, 900.0)], covariance)[0, 0] == pytest.approx(0.125)
     share = np.exp(-1.0) / (1.0 + np.exp(-1.0))
     assert _apart([best, minimum(1.5, 908.0)], covariance)[0, 0] == pytest.approx(0.25 * share)
