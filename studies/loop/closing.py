@@ -129,8 +129,8 @@ def close(
     notes = list(setup.notes)
     if hint and hint in chosen.names:
         notes.append(
-            f"single swings only hint at {hint}: whole records decided, as far as the noise of the base leaves them "
-            "predictable"
+            f"single swings do not settle on {hint}: whole records decided, as far as the noise of the base leaves "
+            "them predictable"
         )
     if verdict == "none" and setup.by_rotation and fits[-1].rms > MISSED_BY_FAR:
         verdict = "unexplained"
@@ -187,7 +187,12 @@ def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[R
         now = whole_fit(setup, best)
         least = LEAST_GAIN if best.parts[-1].in_swings else LEAST_OF_A_SCAN
         if not confirmed and not now.rms < (1.0 - least) * rms_under(setup, fits[-1], now):
-            break
+            # Swings pay for it, one fit of whole records does not; but these are rugged, and have more to say.
+            tell("asking whole records")
+            confirmed = hinted(setup, path[-1], fits[-1], tried) if setup.by_rotation else ()
+            if not confirmed:
+                break
+            best, now = confirmed[0].trial, confirmed[0].whole
         path.append(best)
         fits.append(now)
         rivals = confirmed

@@ -157,14 +157,14 @@ def _while_predictable(setup: Setup, trial: Trial, whole: Fit) -> list[Fit]:
     return sorted([*ended, *fits[ENDED:]], key=lambda f: f.chi2)
 
 
-def neighbours(found: Fit, p: Parameter) -> list[LoopModel]:
+def neighbours(found: Fit, p: Parameter, count: int = NEIGHBOURS) -> list[LoopModel]:
     """Models up to two standard deviations from a fit in one of its parameters: whole records are rugged."""
     if p not in found.parameters:
         return []
     k = found.parameters.index(p)
     value, sd = found.model.get(p.name), math.sqrt(max(float(found.covariance[k, k]), 0.0))
     out: list[LoopModel] = []
-    for share in np.linspace(-2.0, 2.0, NEIGHBOURS if sd > 0.0 else 0):
+    for share in np.linspace(-2.0, 2.0, count if sd > 0.0 else 0):
         moved = min(max(value + float(share) * sd, p.low), p.high)
         try:
             model = found.model.changed({p.name: moved})

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from studies.loop.candidates import Candidate
 from studies.loop.fitting import Fit, fit
 from studies.loop.preparing import Setup
@@ -29,6 +31,12 @@ HINT = 6.0
 
 MOST_HINTS = 3
 """So many of them are fitted to whole records."""
+
+STARTS = 7
+"""Starts of such a fit."""
+
+TELLING = 3
+"""Records on which the starts are compared."""
 
 
 def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Trial | None:
@@ -54,6 +62,11 @@ def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Tr
     ended = fit(
         setup.simulator, whole.model.changed(start), candidate.parameters, whole.windows, huber=10.0, iterations=8
     )
+    # What a fit of the same records from here gains without the effect is not its own.
+    absent = {p.name: candidate.absent(onto.swing.model.declared)[p.name] for p in candidate.parameters}
+    without = fit(setup.simulator, ended.model.changed(absent), onto.every, ended.windows, huber=10.0, iterations=8)
+    if without.chi2 - ended.chi2 < PAYS * max(1.0, ended.chi2 / whole.samples):
+        return None
     value = {p.name: ended.model.get(p.name) for p in candidate.parameters}
     swing = fit(setup.simulator, onto.swing.model.changed(value), onto.every, onto.swing.windows, iterations=3)
     return onto.with_(candidate, swing)
@@ -75,22 +88,25 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round) -> tuple[Rival, 
     if whole.rms < MISSED or not windows:
         return ()
     without = fit(setup.simulator, whole.model, onto.every, windows, huber=10.0, iterations=8, central=True)
+    # The records that are missed most tell the starts apart.
+    telling = np.sort(np.argsort(-without.by_window)[:TELLING])
+    some = [windows[i] for i in telling]
     found = []
     for trial in hints(onto, tried):
         begun = [
-            fit(setup.simulator, model, trial.every, windows, huber=10.0, iterations=4, central=True)
-            for model in neighbours(trial.swing, trial.parts[-1].parameters[0])
+            fit(setup.simulator, model, trial.every, some, huber=10.0, iterations=4, central=True)
+            for model in neighbours(trial.swing, trial.parts[-1].parameters[0], STARTS)
         ]
         if not begun:
             continue
-        nearest = min(begun, key=lambda f: f.chi2)
-        own = fit(
-            setup.simulator, nearest.model, trial.every, nearest.windows, huber=10.0, iterations=12, central=True
-        )  # fmt: skip
+        nearest, states = min(begun, key=lambda f: f.chi2), list(windows)
+        for i, window in zip(telling, nearest.windows, strict=True):
+            states[i] = window
+        own = fit(setup.simulator, nearest.model, trial.every, states, huber=10.0, iterations=12, central=True)
         if own.chi2 < (1.0 - LEAST_OF_A_SCAN) ** 2 * without.chi2:
-            states = fit(setup.simulator, own.model, [], onto.swing.windows, iterations=3)
+            swings = fit(setup.simulator, own.model, [], onto.swing.windows, iterations=3).windows
             # As whole records have it: how far the swings would let it go is what they say of it.
-            swing = fit(setup.simulator, own.model, trial.every, states.windows, iterations=0)
+            swing = fit(setup.simulator, own.model, trial.every, swings, iterations=0)
             settled = onto.with_(trial.parts[-1], swing)
             ended = whole_fit(setup, settled, whole)
             held = errors(setup, ended.model, ended.windows).holdout

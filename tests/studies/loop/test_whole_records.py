@@ -7,12 +7,14 @@ from types import SimpleNamespace
 
 import pytest
 
-from studies.campaigns import read
+from studies.campaigns import DeclaredBlock, read
 from studies.laboratory.campaign import make_campaign
 from studies.laboratory.parameters import G
 from studies.loop import closing, whole_records
-from studies.loop.tracing import all_candidates
-from studies.loop.whole_records import MISSED, hinted
+from studies.loop.candidates import candidates
+from studies.loop.model import LoopModel
+from studies.loop.tracing import Trial, all_candidates
+from studies.loop.whole_records import MISSED, hinted, scan
 
 RIVALS = {"compliant_base", "sliding", "base_tilt", "viscous_damping", "base_motion_lag"}
 
@@ -25,7 +27,7 @@ def test_a_floor_too_stiff_for_one_swing_is_found_in_whole_records(tmp_path, mon
     )
     finding = closing.close(read(tmp_path / "campaign"), g=G)
     assert finding.verdict == "effect" and finding.chosen.effects == ("compliant_base",)
-    assert any(note.startswith("single swings only hint at compliant_base") for note in finding.notes)
+    assert any(note.startswith("single swings do not settle on compliant_base") for note in finding.notes)
     value = finding.after.get("compliant_base.corner_stiffness")
     # What shows is how much later impacts come, which falls with the root of the stiffness: a fifth of it is a tenth.
     assert value == pytest.approx(truth.parameters["compliant_base.corner_stiffness"], rel=0.2)
@@ -40,3 +42,19 @@ def test_whole_records_that_are_met_or_not_predictable_are_not_asked(rms, window
     monkeypatch.setattr(whole_records, "predictable", lambda given: given)
     monkeypatch.setattr(whole_records, "fit", fail)
     assert hinted(None, None, SimpleNamespace(rms=rms, windows=windows), None) == ()
+
+
+@pytest.mark.parametrize("without, named", [(95.0, False), (5000.0, True)], ids=["by the refit", "by the effect"])
+def test_a_scan_counts_what_the_effect_gains_and_not_what_a_refit_does(without, named, monkeypatch):
+    [adhesion] = [c for c in candidates(DeclaredBlock(0.15, 0.5, 0.25, 11.25)) if c.effect == "base_adhesion"]
+
+    def fit(_, model, parameters, windows, **__):
+        there = model.get("base_adhesion.moment") > 0.0
+        return SimpleNamespace(chi2=90.0 if there else without, model=model, windows=windows, samples=100)
+
+    monkeypatch.setattr(whole_records, "fit", fit)
+    model = LoopModel(DeclaredBlock(0.15, 0.5, 0.25, 11.25), 0.9)
+    onto = Trial((), (), SimpleNamespace(model=model, windows=()))
+    whole = SimpleNamespace(model=model, windows=(), chi2=1e4, samples=100)
+    found = scan(SimpleNamespace(simulator=None), onto, whole, [adhesion])
+    assert (found is not None) == named
