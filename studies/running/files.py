@@ -15,6 +15,7 @@ import math
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
@@ -33,6 +34,9 @@ LEAST_FREE = 1024 * 1024
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS)
 """Errors after which no other file can be written there either."""
+
+LONGEST_OPENING = 20.0
+"""Seconds that a file without a checksum may take to be opened."""
 
 SEAL = b"\nsha256 "
 
@@ -190,6 +194,16 @@ def _declared_size(path: Path) -> int:
         return sum(math.prod(v.shape) * getattr(v.dtype, "itemsize", 64) for v in file.variables.values())
 
 
+def _can_be_opened(path: Path) -> bool:
+    """Whether the NetCDF library comes out of opening a file: damaged ones can crash it or send it round for ever."""
+    code = "import sys, netCDF4; netCDF4.Dataset(sys.argv[1]).close()"
+    try:
+        done = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, timeout=LONGEST_OPENING)
+    except subprocess.TimeoutExpired:
+        return False
+    return done.returncode >= 0  # what it refuses, it refuses here as well, with its reason
+
+
 def load_dataset(path: Path, most: int = MOST_BYTES) -> xr.Dataset:
     """The dataset of a NetCDF file, loaded.
 
@@ -199,8 +213,11 @@ def load_dataset(path: Path, most: int = MOST_BYTES) -> xr.Dataset:
     if not path.is_file():
         raise DatasetError(f"{path}: is not there or no file, want a NetCDF dataset")
     try:
-        if sealed(path) is False:
+        seal = sealed(path)
+        if seal is False:
             raise ValueError("it is not what was written, by its checksum")
+        if seal is None and not _can_be_opened(path):  # it has no checksum: it is a stranger's
+            raise ValueError("the NetCDF library does not get through it")
         size = _declared_size(path)  # beforehand: xarray makes room for texts when it opens a file
         if size <= most:
             with xr.open_dataset(path, engine="netcdf4") as opened:

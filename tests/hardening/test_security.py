@@ -18,6 +18,7 @@ import pytest
 import xarray as xr
 
 import rocking
+from studies.running import files as running_files
 
 ROOT = Path(rocking.__file__).resolve().parent.parent
 PACKAGES = ("rocking", "dem", "excitation", "studies")
@@ -209,3 +210,10 @@ def test_a_path_of_a_dataset_is_a_file_and_never_an_address(monkeypatch):
         with pytest.raises((DatasetError, FileNotFoundError)):
             studies.open(address)
     assert xr.__version__
+
+
+def test_a_file_that_sends_the_library_round_for_ever_is_refused(monkeypatch):
+    """Five bytes of a dataset were changed at random; HDF5 does not come back from opening it, and hears no Ctrl-C."""
+    monkeypatch.setattr(running_files, "LONGEST_OPENING", 3.0)
+    with pytest.raises(running_files.DatasetError, match="endless.nc: want a NetCDF dataset, whole .* not get through"):
+        running_files.load_dataset(Path(__file__).parent / "data" / "endless.nc")
