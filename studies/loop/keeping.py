@@ -10,8 +10,6 @@ from __future__ import annotations
 
 import hashlib
 import shutil
-import zipfile
-import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from pathlib import Path
@@ -20,8 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studies.running.files import write_whole
-from studies.running.parts import studies_hash
+from studies.running.parts import read_arrays, studies_hash, write_arrays
 
 Results = Mapping[str, NDArray[Any]]
 
@@ -80,14 +77,7 @@ class Keeper:
 
     def read(self, key: str) -> Results | None:
         """What was kept under a key; None if nothing was, or if it is damaged."""
-        path = self._path(key)
-        if not path.exists():
-            return None
-        try:
-            with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
-                return {name: file[name] for name in file.files}
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error, RuntimeError, MemoryError):
-            return None
+        return read_arrays(self._path(key))
 
     def write(self, key: str, results: Results) -> None:
         """Keep results under a key.
@@ -95,13 +85,7 @@ class Keeper:
         Raises:
             OSError: they cannot be written.
         """
-        self._place.mkdir(parents=True, exist_ok=True)
-
-        def fill(target: Path) -> None:
-            with target.open("wb") as file:
-                np.savez(file, **results)  # type: ignore[arg-type]
-
-        write_whole(self._path(key), fill)
+        write_arrays(self._path(key), results)
 
     def clear(self) -> None:
         """Forget everything: the files that it was for are written."""

@@ -72,6 +72,30 @@ def _plain(value: np.ndarray) -> Any:
     return value.item() if value.ndim == 0 else value
 
 
+def read_arrays(path: Path) -> dict[str, np.ndarray] | None:
+    """Arrays that were kept in a file; None if it is not there, or damaged."""
+    try:
+        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error, RuntimeError, MemoryError):
+        return None
+
+
+def write_arrays(path: Path, arrays: Mapping[str, Any]) -> None:
+    """Keep arrays in a file, which appears whole or not at all; its folder is made if need be.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+
+    def write(target: Path) -> None:
+        with target.open("wb") as file:
+            np.savez(file, **arrays)
+
+    write_whole(path, write)
+
+
 class Parts:
     """A folder of finished runs; without a folder nothing is kept.
 
@@ -92,24 +116,12 @@ class Parts:
         return [base / f"{hashed(*about, job)}.npz" for job in jobs]
 
     def _kept(self, path: Path | None) -> Result | None:
-        if path is None or not path.exists():
-            return None
-        try:
-            with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
-                return {name: _plain(file[name]) for name in file.files}
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error, RuntimeError, MemoryError):
-            return None  # damaged: it is computed again
+        found = None if path is None else read_arrays(path)
+        return None if found is None else {name: _plain(value) for name, value in found.items()}
 
     def _keep(self, path: Path | None, result: Mapping[str, Any]) -> None:
-        if path is None:
-            return
-        path.parent.mkdir(parents=True, exist_ok=True)
-
-        def write(target: Path) -> None:
-            with target.open("wb") as file:
-                np.savez(file, **result)
-
-        write_whole(path, write)
+        if path is not None:
+            write_arrays(path, result)
 
     def results(self, jobs: Sequence[Job], work: Callable[[Job], Result], label: str) -> list[Result]:
         """What `work` gives for each job, in their order; what was kept is not computed again.
