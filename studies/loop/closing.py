@@ -188,8 +188,10 @@ def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[R
         least = LEAST_GAIN if best.parts[-1].in_swings else LEAST_OF_A_SCAN
         if not confirmed and not now.rms < (1.0 - least) * rms_under(setup, fits[-1], now):
             # Swings pay for it, one fit of whole records does not; but these are rugged, and have more to say.
-            tell("asking whole records")
-            confirmed = hinted(setup, path[-1], fits[-1], tried) if setup.by_rotation else ()
+            confirmed = ()
+            if setup.by_rotation and depth == 0:
+                tell("asking whole records")
+                confirmed = hinted(setup, path[-1], fits[-1], tried)
             if not confirmed:
                 break
             best, now = confirmed[0].trial, confirmed[0].whole
