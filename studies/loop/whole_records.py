@@ -35,6 +35,9 @@ MOST_HINTS = 3
 STARTS = 7
 """Starts of such a fit."""
 
+SPOILT = 1.5
+"""A record is spoilt by an effect that makes its rms so many times larger."""
+
 TELLING = 3
 """Records on which the starts are compared."""
 
@@ -103,7 +106,7 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round) -> tuple[Rival, 
         for i, window in zip(telling, nearest.windows, strict=True):
             states[i] = window
         own = fit(setup.simulator, nearest.model, trial.every, states, huber=10.0, iterations=12, central=True)
-        if own.chi2 < (1.0 - LEAST_OF_A_SCAN) ** 2 * without.chi2:
+        if own.chi2 < (1.0 - LEAST_OF_A_SCAN) ** 2 * without.chi2 and not _at_the_cost_of_others(own, without):
             swings = fit(setup.simulator, own.model, [], onto.swing.windows, iterations=3).windows
             # As whole records have it: how far the swings would let it go is what they say of it.
             swing = fit(setup.simulator, own.model, trial.every, swings, iterations=0)
@@ -112,3 +115,8 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round) -> tuple[Rival, 
             held = errors(setup, ended.model, ended.windows).holdout
             found.append(Rival(settled, ended, bic(own), bic(ended), held))
     return tuple(sorted(found, key=lambda r: r.criterion))
+
+
+def _at_the_cost_of_others(own: Fit, without: Fit) -> bool:
+    """Whether an effect that helps some records spoils others: what really acts does not."""
+    return bool(np.any((own.by_window > MISSED) & (own.by_window > SPOILT * without.by_window)))

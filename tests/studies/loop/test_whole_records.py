@@ -5,6 +5,7 @@ The campaign is of the virtual laboratory, which shares no code with the models.
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from studies.campaigns import DeclaredBlock, read
@@ -14,7 +15,7 @@ from studies.loop import closing, whole_records
 from studies.loop.candidates import candidates
 from studies.loop.model import LoopModel
 from studies.loop.tracing import Trial, all_candidates
-from studies.loop.whole_records import MISSED, hinted, scan
+from studies.loop.whole_records import MISSED, _at_the_cost_of_others, hinted, scan
 
 RIVALS = {"compliant_base", "sliding", "base_tilt", "viscous_damping", "base_motion_lag"}
 
@@ -58,3 +59,13 @@ def test_a_scan_counts_what_the_effect_gains_and_not_what_a_refit_does(without, 
     whole = SimpleNamespace(model=model, windows=(), chi2=1e4, samples=100)
     found = scan(SimpleNamespace(simulator=None), onto, whole, [adhesion])
     assert (found is not None) == named
+
+
+def test_an_effect_that_spoils_what_was_explained_is_not_the_one():
+    def rms(*values):
+        return SimpleNamespace(by_window=np.array(values))
+
+    # As met: a mass distribution that takes 38 deviations to 10 and makes 4 of 1, and a soft floor that helps throughout.
+    assert _at_the_cost_of_others(rms(4.0, 10.2), rms(1.0, 38.3))
+    assert not _at_the_cost_of_others(rms(4.4, 4.9, 1.0), rms(16.7, 21.4, 2.5))
+    assert not _at_the_cost_of_others(rms(1.2, 1.0), rms(0.7, 38.3))  # still explained
