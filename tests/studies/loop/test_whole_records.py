@@ -65,7 +65,7 @@ def test_an_effect_that_spoils_what_was_explained_is_not_the_one():
     def rms(*values):
         return SimpleNamespace(by_window=np.array(values))
 
-    # As met: a mass distribution that takes 38 deviations to 10 and makes 4 of 1, and a soft floor that helps throughout.
+    # As met: a mass distribution that takes 38 deviations to 10 and 1 to 4, and a soft floor that helps throughout.
     assert _at_the_cost_of_others(rms(4.0, 10.2), rms(1.0, 38.3))
     assert not _at_the_cost_of_others(rms(4.4, 4.9, 1.0), rms(16.7, 21.4, 2.5))
     assert not _at_the_cost_of_others(rms(1.2, 1.0), rms(0.7, 38.3))  # still explained
