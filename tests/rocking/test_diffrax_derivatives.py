@@ -204,6 +204,7 @@ def test_a_traced_argument_of_32_bits_is_refused() -> None:
         jax.jacfwd(third_impact)(0.9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("module", [diffrax_response, diffrax_parameters])
 def test_the_examples_run(module: Any) -> None:
     tried = doctest.testmod(module)

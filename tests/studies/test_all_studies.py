@@ -20,7 +20,7 @@ from cf import by_checker, problems
 
 STUDIES = registered()
 # fig16 has its own tests, from the command line; loop_fig16 closes a loop; the others take some ten seconds each.
-SLOW = {"contact_judgement", "fig03", "fig14", "fig15", "fig16", "loop_fig16", "springs", "tombstones"}
+SLOW = {"contact_judgement", "fig02", "fig03", "fig14", "fig15", "fig16", "loop_fig16", "springs", "tombstones"}
 
 
 @pytest.fixture(scope="session")

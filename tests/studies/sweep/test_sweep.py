@@ -244,6 +244,7 @@ def test_a_worker_of_a_cluster_killed_on_the_way_changes_nothing(tmp_path):
     _same(tmp_path / "cluster.nc", tmp_path / "whole.nc")
 
 
+@pytest.mark.slow
 def test_no_scheduler_is_one_sentence(tmp_path):
     pytest.importorskip("distributed")
     toml = tmp_path / "s.toml"
