@@ -91,11 +91,16 @@ def test_all_studies_killed_in_the_middle_go_on_where_they_were(tmp_path):
 @pytest.mark.slow
 def test_two_runs_of_a_study_into_one_folder_give_what_one_gives(tmp_path):
     command = faults.command(*QUICK, "--out", tmp_path / "a")
-    pair = [faults.started(command) for _ in range(2)]
-    outputs = [child.communicate(timeout=600) for child in pair]
-    assert [child.returncode for child in pair] == [0, 0], outputs
-    assert sum("is there already" in out for out, _ in outputs) == 1
-    assert any("waiting for process" in err for _, err in outputs)
+    first = faults.started(command)
+    faults.wait_for(lambda: bool(list((tmp_path / "a").glob(".fig18.nc.lock"))), first)
+    # Held in the middle, so that the second surely comes while it is at work.
+    os.killpg(first.pid, signal.SIGSTOP)
+    second = faults.started(command)
+    assert f"waiting for process {first.pid}" in second.stderr.readline()
+    os.killpg(first.pid, signal.SIGCONT)
+    outputs = [child.communicate(timeout=600) for child in (first, second)]
+    assert [first.returncode, second.returncode] == [0, 0], outputs
+    assert ["is there already" in out for out, _ in outputs] == [False, True]
     assert subprocess.run(faults.command(*QUICK, "--out", tmp_path / "b"), capture_output=True).returncode == 0
     xr.testing.assert_equal(load_dataset(tmp_path / "a" / "fig18.nc"), load_dataset(tmp_path / "b" / "fig18.nc"))
     assert whole(tmp_path / "a") == []
