@@ -198,7 +198,10 @@ def _can_be_opened(path: Path) -> bool:
     """Whether the NetCDF library comes out of opening a file: damaged ones can crash it or send it round for ever."""
     code = "import sys, netCDF4; netCDF4.Dataset(sys.argv[1]).close()"
     try:
-        done = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, timeout=LONGEST_OPENING)
+        # -P: what lies beside a stranger's file is not imported.
+        done = subprocess.run(
+            [sys.executable, "-P", "-c", code, str(path)], capture_output=True, timeout=LONGEST_OPENING
+        )
     except subprocess.TimeoutExpired:
         return False
     return done.returncode >= 0  # what it refuses, it refuses here as well, with its reason

@@ -92,7 +92,8 @@ def test_all_studies_killed_in_the_middle_go_on_where_they_were(tmp_path):
 def test_two_runs_of_a_study_into_one_folder_give_what_one_gives(tmp_path):
     command = faults.command(*QUICK, "--out", tmp_path / "a")
     first = faults.started(command)
-    faults.wait_for(lambda: bool(list((tmp_path / "a").glob(".fig18.nc.lock"))), first)
+    # Whoever has the lock writes its number into it.
+    faults.wait_for(lambda: any(lock.read_text() for lock in (tmp_path / "a").glob(".fig18.nc.lock")), first)
     # Held in the middle, so that the second surely comes while it is at work.
     os.killpg(first.pid, signal.SIGSTOP)
     second = faults.started(command)

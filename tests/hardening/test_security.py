@@ -213,7 +213,7 @@ def test_a_path_of_a_dataset_is_a_file_and_never_an_address(monkeypatch):
 
 
 def test_a_file_that_sends_the_library_round_for_ever_is_refused(monkeypatch):
-    """Five bytes of a dataset were changed at random; HDF5 does not come back from opening it, and hears no Ctrl-C."""
+    """One byte of a dataset was changed at random; HDF5 does not come back from opening it, and hears no Ctrl-C."""
     monkeypatch.setattr(running_files, "LONGEST_OPENING", 3.0)
     with pytest.raises(running_files.DatasetError, match=r"endless\.nc: want a NetCDF dataset, .* not get through"):
         running_files.load_dataset(Path(__file__).parent / "data" / "endless.nc")

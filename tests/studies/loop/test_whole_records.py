@@ -30,7 +30,7 @@ def test_a_floor_too_stiff_for_one_swing_is_found_in_whole_records(tmp_path, mon
     assert finding.verdict == "effect" and finding.chosen.effects == ("compliant_base",)
     assert any(note.startswith("single swings do not settle on compliant_base") for note in finding.notes)
     value = finding.after.get("compliant_base.corner_stiffness")
-    # What shows is how much later impacts come, which falls with the root of the stiffness: a fifth of it is a tenth.
+    # The interval that the loop gives is a tenth to either side (95 %): twice that.
     assert value == pytest.approx(truth.parameters["compliant_base.corner_stiffness"], rel=0.2)
     assert finding.errors["after"].holdout < 0.5 * finding.errors["before"].holdout
 
