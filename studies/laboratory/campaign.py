@@ -99,7 +99,7 @@ def planted(
     parameters: dict[str, float] = {}
     for name, d, k in zip(names, draws, strengths, strict=True):
         lab, own = (NAMED | UNNAMED)[name](lab, d, k)
-        parameters |= {f"{name}.{key}": float(value) for key, value in own.items()}
+        parameters |= {f"{SPOKEN.get(name, name)}.{key}": float(value) for key, value in own.items()}
     return lab, parameters
 
 

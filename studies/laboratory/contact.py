@@ -1,8 +1,9 @@
 """A rigid block of three degrees of freedom on springs and dashpots that push and never pull.
 
-Two springs at the corners, or a bed of many under the base.  A soft floor, and with stiff springs of little damping a
-block that bounces: nothing about impacts is put in, so what the law of restitution would be comes out of the contact.
-Friction is Coulomb's with a steep ramp through zero slip.  Small fixed steps; rotation positive clockwise.
+Two springs at the corners, or a bed under the base, summed over points of the part that is below the floor.  A soft
+floor, and with stiff springs of little damping a block that bounces: nothing about impacts is put in, so what the law
+of restitution would be comes out of the contact.  Friction is Coulomb's with a steep ramp through zero slip.  Small
+fixed steps; rotation positive clockwise.
 """
 
 from __future__ import annotations
@@ -14,8 +15,22 @@ from .event import FALLEN, GRAV, IC, B, H, M, Response, base
 from .parameters import INDEX, World
 
 MU, K, CD, NS = (INDEX[k] for k in ("friction", "stiffness", "damping", "springs"))
-CREEP = 2e-3  # m/s
-STEP = 4e-5  # s
+CREEP = 5e-4  # m/s
+STEP = 2e-5  # s
+
+
+@njit
+def below(z, sn, cs, P):
+    """(middle, half of the length) of the part of the base that is below the floor, along it from its middle."""
+    # A point xi of the base is at z - xi sin - h cos.
+    if abs(sn) < 1e-15:
+        return 0.0, P[B]
+    end = (z - P[H] * cs) / sn
+    if sn > 0.0:
+        low, high = min(max(end, -P[B]), P[B]), P[B]
+    else:
+        low, high = -P[B], max(min(end, P[B]), -P[B])
+    return 0.5 * (low + high), 0.5 * (high - low)
 
 
 @njit
@@ -24,12 +39,14 @@ def rate(x, c, y, P):
     ax, az, _, _, _ = base(x, c)
     n = int(P[NS])
     k, d = P[K], P[CD]
-    if n > 2:
-        k, d = k / n, d / n
     cs, sn = np.cos(y[2]), np.sin(y[2])
+    middle, half = 0.0, P[B]
+    if n > 2:
+        middle, half = below(y[1], sn, cs, P)
+        k, d = k * half / (P[B] * n), d * half / (P[B] * n)
     fx, fz, torque = -P[M] * ax, -P[M] * (P[GRAV] + az), 0.0
     for i in range(n):
-        xi = P[B] * (2.0 * i / (n - 1) - 1.0)
+        xi = middle + half * (2.0 * i - 1.0 if n == 2 else (2.0 * i + 1.0) / n - 1.0)
         rx, rz = xi * cs - P[H] * sn, -xi * sn - P[H] * cs
         depth = -(y[1] + rz)
         if depth <= 0.0:
@@ -83,17 +100,14 @@ def start(world: World, theta0: float) -> np.ndarray:
     if theta0 == 0.0:
         depth = weight / (world.stiffness * (2 if world.springs == 2 else 1))
         return np.array([0.0, world.centre_height - depth, 0.0, 0.0, 0.0, 0.0])
-    one = world.stiffness / (1 if world.springs == 2 else world.springs)
     phi = abs(theta0)
-    height = world.half_breadth * np.sin(phi) + world.centre_height * np.cos(phi) - weight / one
-    if world.springs > 2:
-        # A bed takes the weight on several springs: sink until they carry it.
-        xi = world.half_breadth * np.linspace(-1, 1, int(world.springs))
-        low, high = height, height + weight / one
-        for _ in range(60):
-            height = 0.5 * (low + high)
-            depth = -(height - xi * np.sin(phi) - world.centre_height * np.cos(phi))
-            low, high = (height, high) if one * np.maximum(depth, 0).sum() > weight else (low, height)
+    high = world.half_breadth * np.sin(phi) + world.centre_height * np.cos(phi)
+    if world.springs == 2:
+        return np.array([0.0, high - weight / world.stiffness, theta0, 0.0, 0.0, 0.0])
+    # A bed takes the weight on a part of it: sink until that carries it, or on all of it as deep as it has to.
+    step, sink = 2.0 * world.half_breadth * np.sin(phi), weight / world.stiffness
+    depth = np.sqrt(2.0 * sink * step)
+    height = high - (depth if depth < step else sink + 0.5 * step)
     return np.array([0.0, height, theta0, 0.0, 0.0, 0.0])
 
 

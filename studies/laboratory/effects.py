@@ -122,7 +122,7 @@ def winkler_bed(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     """A bed of many springs, as stiff in all as two corners: the same effect by name, with no corner to be stiff."""
     stiffness, damping = _soft(lab, d, k)
     bed = _world(lab, stiffness=2 * stiffness, damping=2 * damping, springs=25.0, friction=0.9)
-    return replace(bed, engine="contact"), {}
+    return replace(bed, engine="contact"), {"corner_stiffness": stiffness}
 
 
 def _soft(lab: Lab, d: Draw, k: float) -> tuple[float, float]:

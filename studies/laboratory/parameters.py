@@ -57,7 +57,7 @@ class World:
     friction: float = math.inf
     stiffness: float = 0.0  # N/m of one corner, or of the whole bed
     damping: float = 0.0  # N s/m, likewise
-    springs: float = 2.0  # number of springs under the base
+    springs: float = 2.0  # under the base: two at the corners, or as many points of a bed
     gravity: float = G
 
     def vector(self) -> np.ndarray:

@@ -12,6 +12,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from rocking import G_STANDARD
 from rocking.effects import load
 from studies.campaigns import DeclaredBlock
@@ -32,6 +34,8 @@ class Candidate:
     extra: bool = False  # a form that is tried only where nothing simpler explains the data
     least_restitution: float = 0.0  # [1] that it goes together with
     slips: bool = False  # whether a window begins with a slip that no rotation shows and that is carried over to it
+    scanned: tuple[Mapping[str, float], ...] = ()  # values at which whole records are tried where swings do not tell
+    costly: bool = False  # whether a run takes tens of times as long as that of a rigid block: fewer starts are tried
 
     @property
     def nothing(self) -> dict[str, float]:
@@ -54,14 +58,13 @@ def _block(declared: DeclaredBlock):  # type: ignore[no-untyped-def]
 
 def _one(
     effect: str, name: str, scale: float, starts: Sequence[float], low: float, high: float, *, log: bool = False,
-    label: str = "", fixed: Mapping[str, float] | None = None, smooth: bool = True, in_swings: bool = True,
-    extra: bool = False,
+    label: str = "", fixed: Mapping[str, float] | None = None, smooth: bool = True, extra: bool = False,
 ) -> Candidate:  # fmt: skip
     full = f"{effect}.{name}"
     held = {f"{effect}.{key}": value for key, value in (fixed or {}).items()}
     return Candidate(
         label or effect, effect, (Parameter(full, scale, low, high, log),), tuple({full: v} for v in starts), held,
-        smooth, in_swings, extra,
+        smooth, extra=extra,
     )  # fmt: skip
 
 
@@ -91,10 +94,21 @@ def _of_the_block(block: DeclaredBlock) -> tuple[Candidate, ...]:
 def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
     weight = block.mass * G_STANDARD
     moment = 0.5 * weight * block.breadth
-    # A corner pressed in by a thousandth and by a ten-thousandth of the breadth under the weight.
-    soft = [weight / (0.002 * block.breadth), weight / (0.0002 * block.breadth)]
+    # Corners pressed in by a thousandth to a hundred-thousandth of the breadth under the weight.
+    soft = [weight / (sink * block.breadth) for sink in (2e-3, 2e-4, 2e-5)]
+    floors = tuple(
+        Candidate(
+            label, "compliant_base",
+            (
+                Parameter("compliant_base.corner_stiffness", 0.3, 1e-3 * soft[0], 10.0 * soft[2], True),
+                Parameter("compliant_base.damping_ratio", 0.3, 1e-3, 2.0, True),
+            ),
+            tuple({"compliant_base.corner_stiffness": k, "compliant_base.damping_ratio": 0.15} for k in soft),
+            {"compliant_base.spread": spread}, smooth=False, costly=True,
+        )
+        for label, spread in (("compliant_base", 0.0), ("compliant_base[bed]", 1.0))
+    )  # fmt: skip
     spring = weight * block.R
-    housner = _block(block).housner_restitution * (1.0 + 1e-12)
     tethers = tuple(
         Candidate(
             f"tether[{label}]", "tether",
@@ -111,31 +125,33 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
         _one("velocity_dependent_restitution", "slope", 0.01, [0.02, -0.02], -0.5, 0.5),
         _one("viscous_damping", "coefficient", 0.05, [0.1], 0.0, 20.0),
         _one("quadratic_drag", "coefficient", 0.05, [0.1], 0.0, 20.0),
-        Candidate(
-            "compliant_base", "compliant_base",
-            (
-                Parameter("compliant_base.corner_stiffness", 0.3, 1e-3 * soft[0], 30.0 * soft[1], True),
-                Parameter("compliant_base.damping_ratio", 0.3, 1e-3, 2.0, True),
-            ),
-            tuple({"compliant_base.corner_stiffness": k, "compliant_base.damping_ratio": 0.15} for k in soft), {},
-            smooth=False,
-        ),
+        *floors,
         *tethers,
+        _sliding(block),
         Candidate(
-            "sliding", "sliding", (Parameter("sliding.friction", 0.02, 0.02, 1.3),),
-            tuple({"sliding.friction": 0.1 * k} for k in range(2, 11)), {}, smooth=False, least_restitution=housner,
-            slips=True,
+            "bouncing", "bouncing", (Parameter("bouncing.normal_restitution", 0.05, 1e-3, 0.95),),
+            tuple({"bouncing.normal_restitution": e} for e in (0.05, 0.2, 0.5)), {"bouncing.friction": math.inf},
+            smooth=False, slips=True, scanned=tuple({"bouncing.normal_restitution": 0.05 * k} for k in range(1, 19)),
         ),
         Candidate(
-            "bouncing", "bouncing", (Parameter("bouncing.normal_restitution", 0.05, 0.0, 0.95),),
-            tuple({"bouncing.normal_restitution": e} for e in (0.2, 0.5)), {"bouncing.friction": math.inf},
-            smooth=False, least_restitution=housner,
-            slips=True,
+            "base_adhesion", "base_adhesion", (Parameter("base_adhesion.moment", 0.02 * moment, 0.0, 2.0 * moment),),
+            (), {}, smooth=False, in_swings=False,
+            scanned=tuple({"base_adhesion.moment": 0.024 * k * moment} for k in range(1, 26)),
         ),
-        _one(
-            "base_adhesion", "moment", 0.02 * moment, [0.024 * k * moment for k in range(1, 26)], 0.0,
-            2.0 * moment, smooth=False, in_swings=False,
-        ),
+    )  # fmt: skip
+
+
+def _sliding(block: DeclaredBlock) -> Candidate:
+    # A block with friction below b/h slides before it rocks; far above, friction holds in all but violent shaking.
+    slender = 2.0 * block.centre_height
+    tips = block.breadth / slender
+    frictions = [tips * ratio for ratio in (0.8, 0.95, 1.0, 1.03, 1.07, 1.12, 1.2, 1.3, 1.5, 2.0, 3.0)]
+    finely = tips * np.geomspace(0.9, 2.0, 54)
+    return Candidate(
+        "sliding", "sliding", (Parameter("sliding.friction", 0.05 * tips, 0.02, 1.3),),
+        tuple({"sliding.friction": mu} for mu in frictions if mu < 1.3), {}, smooth=False,
+        least_restitution=_block(block).housner_restitution * (1.0 + 1e-12), slips=True,
+        scanned=tuple({"sliding.friction": float(mu)} for mu in finely if mu < 1.3),
     )  # fmt: skip
 
 

@@ -22,10 +22,10 @@ from studies.loop.model import LoopModel
 from studies.loop.preparing import Setup, prepare
 from studies.loop.rivals import Rival, near, twins
 from studies.loop.scoring import Errors, errors, leaning, median
-from studies.loop.settling import Settled, intervals, rms_under, settle, whole_fit
+from studies.loop.settling import Settled, gain, intervals, settle, whole_fit
 from studies.loop.spread import floor, variances
 from studies.loop.tracing import LEAST_GAIN, PAYS, Round, Trial, all_candidates, baseline, bic, pays, search
-from studies.loop.whole_records import LEAST_OF_A_SCAN, hinted, scan
+from studies.loop.whole_records import asked, explains_more
 from studies.loop.windows import SIDE, scored_window
 
 Array = NDArray[np.float64]
@@ -169,34 +169,31 @@ def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[R
             break
         tell(f"tracing, round {depth + 1}")
         tried = search(setup.simulator, path[-1], pool, tell)
-        confirmed: tuple[Rival, ...] = ()
+        accepted: tuple[Trial, Fit] | None = None
         best = tried.best
-        if best is None or not pays(path[-1].swing, best.swing):
-            best = None
-            if setup.by_rotation:
-                tell("scanning whole records")
-                confirmed = hinted(setup, path[-1], fits[-1], tried)
-                if confirmed:
-                    best = confirmed[0].trial
-                else:
-                    best = scan(setup, path[-1], fits[-1], pool)
-                    tried.trials += [] if best is None else [best]
+        likely = best is not None and pays(path[-1].swing, best.swing)
+        if best is not None and likely:
+            now = whole_fit(setup, best)
+            if gain(setup, fits[-1], now) > LEAST_GAIN:
+                accepted = best, now
+        # Whole records are rugged: where swings say nothing, or one fit of whole records does not bear them out, or
+        # leaves far too much, these have more to say.
+        confirmed: tuple[Rival, ...] = ()
+        unsettled = accepted is None or accepted[1].rms > MISSED_BY_FAR
+        if setup.by_rotation and (not likely or (depth == 0 and unsettled)):
+            tell("asking whole records")
+            confirmed = asked(setup, path[-1], fits[-1], tried, pool)
+            if confirmed and accepted is not None and not explains_more(setup, confirmed[0].whole, accepted[1]):
+                confirmed = ()
         rounds.append(tried)
-        if best is None:
+        if confirmed:
+            accepted = confirmed[0].trial, confirmed[0].whole
+            if all(t.names != accepted[0].names for t in tried.trials):
+                tried.trials.append(accepted[0])
+        if accepted is None:
             break
-        now = whole_fit(setup, best)
-        least = LEAST_GAIN if best.parts[-1].in_swings else LEAST_OF_A_SCAN
-        if not confirmed and not now.rms < (1.0 - least) * rms_under(setup, fits[-1], now):
-            # Swings pay for it, one fit of whole records does not; but these are rugged, and have more to say.
-            confirmed = ()
-            if setup.by_rotation and depth == 0:
-                tell("asking whole records")
-                confirmed = hinted(setup, path[-1], fits[-1], tried)
-            if not confirmed:
-                break
-            best, now = confirmed[0].trial, confirmed[0].whole
-        path.append(best)
-        fits.append(now)
+        path.append(accepted[0])
+        fits.append(accepted[1])
         rivals = confirmed
     return path, rounds, fits, rivals
 

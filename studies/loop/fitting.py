@@ -2,9 +2,12 @@
 
 The sensitivities go through located impacts by central differences, which are clean because the events are located
 and not stepped over.  Parameters may be fitted in a transformed scale (logarithm).  Windows whose residual is several
-times the noise count less (Huber, by window), since a missing effect must not own the sum of squares.
+times the noise count less (Huber, by window), since a missing effect must not own the sum of squares.  Whole records
+may be missed by a hundred times the noise, one for something else than all others: there the sum of squares goes on
+as the logarithm, so that the parameters are those that explain most records and not those that miss one by less.
 
-Source   Levenberg (1944), Marquardt (1963); Huber (1964); elimination of local unknowns: Schur complement.
+Source   Levenberg (1944), Marquardt (1963); Huber (1964); the logarithm: as Cauchy's likelihood has it; elimination of
+         local unknowns: Schur complement; residuals of a record that go together: Liang & Zeger (1986), Biometrika 73.
 Status   derivatives against each other at two steps, and recovery of planted parameters (tests).
 """
 
@@ -33,6 +36,18 @@ THETA_STEP, OMEGA_STEP = 2e-6, 2e-5
 
 HUBER = 3.0
 """Windows with an rms beyond this many standard deviations count less."""
+
+ROBUST = 4.0
+"""The same for whole records, which count by the logarithm beyond it."""
+
+DRAWN_IN = 10.0
+"""And for fits of whole records by Huber's sum."""
+
+POLISH = 4
+"""Iterations by the logarithm after these."""
+
+MISSED = 1.2
+"""Mean square over the variances from which records are missed by more than their noise."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +83,7 @@ class Fit:
     covariance: Array  # of the parameters in their outer scale
     converged: bool
     residuals: tuple[Array, ...]  # weighted, by window
+    whole: bool = False  # whether the windows are whole records
 
     @property
     def values(self) -> dict[str, float]:
@@ -78,6 +94,17 @@ class Fit:
     def by_window(self) -> Array:
         """Rms over the standard deviation, by window."""
         return np.array([math.sqrt(float(np.mean(r * r))) for r in self.residuals])
+
+    @property
+    def weights(self) -> Array:
+        """How much each window counts [1]."""
+        return _weights(self.residuals, ROBUST if self.whole else HUBER, self.whole)
+
+    @property
+    def spread(self) -> float:
+        """Mean square over the variances, windows far off counting as little as in a fit; 1 or more."""
+        squares = sum(w * float(r @ r) for w, r in zip(self.weights, self.residuals, strict=True))
+        return max(1.0, squares / max(self.samples, 1))
 
 
 def residuals(simulator: Simulator, model: LoopModel, windows: Sequence[Window]) -> list[Array]:
@@ -150,19 +177,26 @@ def linearised(
     return Linear(r[0], by_parameters, by_state)
 
 
-def _weights(r: Sequence[Array], huber: float) -> Array:
-    """Weight of each window: one within `huber` standard deviations, then falling as Huber's."""
+def _weights(r: Sequence[Array], huber: float, whole: bool) -> Array:
+    """Weight of each window: one within `huber` standard deviations, then falling with the rms, or its square."""
     rms = np.array([math.sqrt(float(np.mean(x * x))) if x.size else 0.0 for x in r])
-    return np.minimum(1.0, huber / np.maximum(rms, 1e-30))
+    weights = np.minimum(1.0, huber / np.maximum(rms, 1e-30))
+    return weights**2 if whole else weights
 
 
-def objectives(r: Sequence[Array], windows: Sequence[Window], huber: float) -> Array:
-    """Huber's sum of squares of each window, with the prior of its state."""
+def objectives(r: Sequence[Array], windows: Sequence[Window], huber: float = HUBER, whole: bool = False) -> Array:
+    """Sum of squares of each window, less than that beyond `huber`, with the prior of its state.
+
+    whole: whether windows are whole records, which count by the logarithm.
+    """
     out = np.empty(len(windows))
     for i, (x, w) in enumerate(zip(r, windows, strict=True)):
         square = float(x @ x)
         rms = math.sqrt(square / max(x.size, 1))
-        out[i] = square if rms <= huber else x.size * (2.0 * huber * rms - huber**2)
+        if rms > huber:
+            beyond = huber**2 * (1.0 + 2.0 * math.log(rms / huber)) if whole else 2.0 * huber * rms - huber**2
+            square = x.size * beyond
+        out[i] = square
         if 0.0 < w.theta_sd < math.inf:
             out[i] += ((w.theta - w.theta_prior) / w.theta_sd) ** 2
     return out
@@ -239,7 +273,8 @@ def fit(
     parameters: Sequence[Parameter],
     windows: Sequence[Window],
     *,
-    huber: float = HUBER,
+    huber: float | None = None,
+    whole: bool = False,
     iterations: int = 15,
     tolerance: float = 1e-3,
     start_damping: float = 1e-3,
@@ -252,7 +287,9 @@ def fit(
         simulator, model: where to start; effects of the parameters are in it.
         parameters: what to fit; none fits the states alone.
         windows: with states to start from.
-        huber: see above; inf for plain least squares.
+        huber: rms of a window beyond which it counts less; `HUBER`, or `ROBUST` for whole records, if not given; inf
+            for plain least squares.
+        whole: whether windows are whole records, which count by the logarithm beyond that.
         iterations: the most that are done.
         tolerance: a relative fall of the sum of squares below which the fit has converged.
         give_up: after three iterations, stop if the sum of squares is above this.
@@ -261,16 +298,37 @@ def fit(
     Returns:
         Fit: the best point that was met.
     """
-    how = _How(huber, iterations, tolerance, start_damping, give_up, central)
+    if huber is None:
+        huber = ROBUST if whole else HUBER
+    how = _How(huber, whole, iterations, tolerance, start_damping, give_up, central)
     if simulator.keeper is None:
         return _fit(simulator, model, parameters, windows, how)
     key = digest_of("fit", simulator.digest, model, tuple(parameters), tuple(windows), how)
     kept = simulator.keeper.read(key)
     if kept is not None:
-        return _restored(kept, model, parameters, windows)
+        return _restored(kept, model, parameters, windows, whole)
     found = _fit(simulator, model, parameters, windows, how)
     simulator.keeper.write(key, _results(found))
     return found
+
+
+def fit_records(
+    simulator: Simulator, model: LoopModel, parameters: Sequence[Parameter], windows: Sequence[Window], *,
+    iterations: int = 15, again: bool = True,
+) -> Fit:  # fmt: skip
+    """Fit whole records, those far off counting by the logarithm.
+
+    A record that is lost at the start may stay so, since it hardly counts: if one is lost at the end, the fit begins
+    again where Huber's sum draws it in.
+
+    again: False to leave that out.
+    """
+    found = fit(simulator, model, parameters, windows, whole=True, iterations=iterations, central=True)
+    if not parameters or not again or found.by_window.max(initial=0.0) < ROBUST:
+        return found
+    drawn = fit(simulator, model, parameters, windows, huber=DRAWN_IN, iterations=iterations, central=True)
+    other = fit(simulator, drawn.model, parameters, drawn.windows, whole=True, iterations=POLISH, central=True)
+    return min(found, other, key=lambda f: f.chi2)
 
 
 @dataclass(frozen=True)
@@ -278,6 +336,7 @@ class _How:
     """Options of a fit."""
 
     huber: float
+    whole: bool
     iterations: int
     tolerance: float
     start_damping: float
@@ -297,7 +356,9 @@ def _results(found: Fit) -> dict[str, Array]:
     }
 
 
-def _restored(kept: Results, model: LoopModel, parameters: Sequence[Parameter], windows: Sequence[Window]) -> Fit:
+def _restored(
+    kept: Results, model: LoopModel, parameters: Sequence[Parameter], windows: Sequence[Window], whole: bool
+) -> Fit:
     """The fit that was kept as arrays."""
     values = {p.name: float(v) for p, v in zip(parameters, kept["values"], strict=True)}
     moved = [w.moved(float(a), float(b)) for w, (a, b) in zip(windows, kept["states"], strict=True)]
@@ -305,23 +366,23 @@ def _restored(kept: Results, model: LoopModel, parameters: Sequence[Parameter], 
     each = np.split(kept["residuals"], np.cumsum(kept["sizes"])[:-1]) if windows else []
     return Fit(
         model.changed(values), tuple(parameters), tuple(moved), float(chi2), float(rms), int(samples),
-        kept["covariance"], bool(converged), tuple(each),
+        kept["covariance"], bool(converged), tuple(each), whole,
     )  # fmt: skip
 
 
 def _fit(
     simulator: Simulator, model: LoopModel, parameters: Sequence[Parameter], windows: Sequence[Window], how: _How
 ) -> Fit:
-    windows, huber = list(windows), how.huber
+    windows = list(windows)
     damping, converged = how.start_damping, False
     objective, lin = math.inf, None
     for iteration in range(how.iterations):
         lin = linearised(simulator, model, parameters, windows, central=how.central)
-        each = objectives(lin.residuals, windows, huber)
+        each = objectives(lin.residuals, windows, how.huber, how.whole)
         objective = float(each.sum())
         if iteration >= 3 and objective > how.give_up:
             break
-        weights = _weights(lin.residuals, huber)
+        weights = _weights(lin.residuals, how.huber, how.whole)
         matrix, gradient, back = _reduced(lin, windows, weights)
         accepted = False
         for _ in range(8):
@@ -332,7 +393,7 @@ def _fit(
             ])  # fmt: skip
             try:
                 trial = model.changed(values)
-                trial_windows, found = _better(simulator, trial, windows, _stepped(windows, back, actual), each, huber)
+                trial_windows, found = _better(simulator, trial, windows, _stepped(windows, back, actual), each, how)
             except ValueError:
                 damping = max(damping, 1e-6) * 10.0
                 continue
@@ -351,19 +412,19 @@ def _fit(
         if fall < how.tolerance:
             converged = True
             break
-    return _result(simulator, model, parameters, windows, huber, converged)
+    return _result(simulator, model, parameters, windows, how, converged)
 
 
 def _better(
     simulator: Simulator, model: LoopModel, windows: Sequence[Window], stepped: Sequence[Window], before: Array,
-    huber: float,
+    how: _How,
 ) -> tuple[list[Window], float]:  # fmt: skip
     """Of each window the stepped state, or a shorter step or none where that is better, and the sum of squares.
 
     A window whose linearisation says nothing (an impact on the wrong side of a sample) would else stop all others.
     """
     chosen = list(stepped)
-    each = objectives(residuals(simulator, model, chosen), chosen, huber)
+    each = objectives(residuals(simulator, model, chosen), chosen, how.huber, how.whole)
     for share in (0.25, 0.0):
         worse = np.flatnonzero(each > before)
         if not worse.size:
@@ -375,7 +436,7 @@ def _better(
             )
             for i in map(int, worse)
         ]  # fmt: skip
-        found = objectives(residuals(simulator, model, other), other, huber)
+        found = objectives(residuals(simulator, model, other), other, how.huber, how.whole)
         for i, window, value in zip(worse, other, found, strict=True):
             if value < each[i]:
                 chosen[i], each[i] = window, value
@@ -395,23 +456,26 @@ def _moved(model: LoopModel, parameters: Sequence[Parameter], step: Array) -> di
 
 
 def _result(
-    simulator: Simulator, model: LoopModel, parameters: Sequence[Parameter], windows: list[Window], huber: float,
+    simulator: Simulator, model: LoopModel, parameters: Sequence[Parameter], windows: list[Window], how: _How,
     converged: bool,
 ) -> Fit:  # fmt: skip
     lin = linearised(simulator, model, parameters, windows, central=False)
-    weights = _weights(lin.residuals, huber)
+    weights = _weights(lin.residuals, how.huber, how.whole)
     matrix, _, _ = _reduced(lin, windows, weights)
     joined = np.concatenate(lin.residuals) if lin.residuals else np.zeros(0)
     # A fit that is worse than the noise has parameters that are less sure than the noise says.
-    spread = max(1.0, float(np.mean(joined**2))) if joined.size else 1.0
+    counted = joined if not how.whole else np.concatenate([
+        math.sqrt(weight) * r for weight, r in zip(weights, lin.residuals, strict=True)
+    ])  # fmt: skip
+    spread = max(1.0, float(np.mean(counted**2))) if joined.size else 1.0
     scale = np.array([_slope(p, model.get(p.name)) for p in parameters])
     covariance: Array = np.zeros((0, 0))
     if parameters:
         covariance = np.asarray(spread * np.linalg.pinv(matrix) * np.outer(scale, scale), dtype=np.float64)
     return Fit(
-        model, tuple(parameters), tuple(windows), float(objectives(lin.residuals, windows, huber).sum()),
+        model, tuple(parameters), tuple(windows), float(objectives(lin.residuals, windows, how.huber, how.whole).sum()),
         math.sqrt(float(np.mean(joined**2))) if joined.size else math.nan, joined.size, covariance, converged,
-        tuple(lin.residuals),
+        tuple(lin.residuals), how.whole,
     )  # fmt: skip
 
 
@@ -437,7 +501,7 @@ def gains(
         model_of: for each candidate the model with its effect in it, at its absent value.
         huber: as of the fit.
     """
-    weights = _weights(fitted.residuals, huber)
+    weights = _weights(fitted.residuals, huber, False)
     out = {}
     for name, parameters in candidates.items():
         every = (*fitted.parameters, *parameters)
@@ -455,7 +519,9 @@ def robust_covariance(simulator: Simulator, noisy: Simulator, found: Fit) -> Arr
     """Covariance of the fitted parameters when base noise moves the responses too: the sandwich estimator.
 
     Under the fitted model each record is answered again under redrawn base noise; what that does to the gradient is
-    put between two inverses of the information.  Windows are taken as independent.
+    put between two inverses of the information.  Windows are taken as independent.  Where the model misses records by
+    more than the noise, what it misses goes together within a record: the gradients that the records leave, one against
+    another, are put between as well.
 
     Args:
         simulator: of the fit.
@@ -467,7 +533,7 @@ def robust_covariance(simulator: Simulator, noisy: Simulator, found: Fit) -> Arr
     """
     windows, model = found.windows, found.model
     lin = linearised(simulator, model, found.parameters, windows)
-    weights = _weights(lin.residuals, HUBER)
+    weights = _weights(lin.residuals, ROBUST if found.whole else HUBER, found.whole)
     matrix, _, each = _reduced(lin, windows, weights)
     count = len(simulator.tests)
     draws = len(noisy.tests) // count
@@ -484,6 +550,12 @@ def robust_covariance(simulator: Simulator, noisy: Simulator, found: Fit) -> Arr
             moved = np.nan_to_num((read[(k + 1) * n + i] - read[i]) * w.weights)
             g = weight * (own.T @ moved)
             meat += np.outer(g, g) / draws
+    records = sorted({w.record for w in windows})
+    if found.spread > MISSED and len(records) > len(found.parameters):
+        for record in records:
+            of_it = [(p, k) for p, w, k in zip(each, windows, weights, strict=True) if w.record == record]
+            g = np.sum([k * (p.A.T @ p.r) for p, k in of_it], axis=0)
+            meat += len(records) / (len(records) - len(found.parameters)) * np.outer(g, g)
     inverse = np.linalg.pinv(matrix)
     scale = np.array([_slope(p, model.get(p.name)) for p in found.parameters])
     return np.asarray(inverse @ meat @ inverse * np.outer(scale, scale), dtype=np.float64)

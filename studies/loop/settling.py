@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studies.loop.fitting import Fit, Parameter, fit, residuals, robust_covariance
+from studies.loop.fitting import Fit, Parameter, fit, fit_records, robust_covariance
 from studies.loop.learning import LEARNED
 from studies.loop.model import LoopModel
 from studies.loop.preparing import Setup
@@ -30,6 +30,9 @@ NEIGHBOURS = 11
 
 ENDED = 4
 """So many of these fits, the best, are ended."""
+
+FEW = 3
+"""Starts where a run takes long; the best of these fits alone is ended."""
 
 SAME = 3.0
 """Minima closer than this many standard deviations are one."""
@@ -49,8 +52,8 @@ def whole_fit(setup: Setup, trial: Trial, weights_of: Fit | None = None) -> Fit:
         windows = weighed(setup.whole, spreads)
     else:
         windows = [replace(w, sd=o.sd) for w, o in zip(setup.whole, weights_of.windows, strict=True)]
-    leans = fit(setup.simulator, model, [], windows, huber=10.0, iterations=4, central=True)
-    full = fit(setup.simulator, model, trial.every, leans.windows, huber=10.0, iterations=8, central=True)
+    leans = fit_records(setup.simulator, model, [], windows, iterations=4)
+    full = fit_records(setup.simulator, model, trial.every, leans.windows, iterations=8, again=not trial.costly)
     if full.chi2 >= leans.chi2 or not _still_fits(setup, trial, full.model):
         return leans
     return full
@@ -83,7 +86,8 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
     minima = _while_predictable(setup, trial, whole) if setup.by_rotation else []
     fits = [f for f in (trial.swing, *minima[:1]) if f.parameters]
     # A fit that is worse than the noise has parameters that are less sure than the noise says.
-    covariances = [max(1.0, f.rms**2) * robust_covariance(setup.simulator, setup.noisy, f) for f in fits]
+    spreads = [f.spread if f.whole else max(1.0, f.rms**2) for f in fits]
+    covariances = [k * robust_covariance(setup.simulator, setup.noisy, f) for k, f in zip(spreads, fits, strict=True)]
     apart = _apart(minima, covariances[-1]) if len(minima) > 1 and trial.every else None
     if apart is not None:
         covariances[-1] = covariances[-1] + apart
@@ -105,7 +109,7 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
         both = np.array([minima[0].model.get(name) for name in names])
     known = {p.name: min(max(float(v), p.low), p.high) for p, v in zip(parameters, both, strict=True)}
     model = whole.model.changed(known)
-    leans = fit(setup.simulator, model, [], whole.windows, huber=10.0, iterations=4, central=True)
+    leans = fit_records(setup.simulator, model, [], whole.windows, iterations=4)
     widened = _disagreement(fits, covariances) * joint * np.outer(scale, scale)
     return Settled(leans, names, np.asarray(widened, dtype=np.float64))
 
@@ -144,20 +148,21 @@ def _while_predictable(setup: Setup, trial: Trial, whole: Fit) -> list[Fit]:
     windows, fits = predictable(whole.windows), []
     if not windows:
         return []
+    starts, ended = (FEW, 1) if trial.costly else (NEIGHBOURS, ENDED)
     named = [part for part in trial.parts if part.in_swings and part.effect != LEARNED]
-    about = [model for part in named for model in neighbours(trial.swing, part.parameters[0])]
+    about = [model for part in named for model in neighbours(trial.swing, part.parameters[0], starts)]
     for model in (whole.model, trial.swing.model, *about):
-        leans = fit(setup.simulator, model, [], windows, huber=10.0, iterations=4, central=True)
-        fits.append(fit(setup.simulator, model, trial.every, leans.windows, huber=10.0, iterations=4, central=True))
+        leans = fit_records(setup.simulator, model, [], windows, iterations=4)
+        fits.append(fit(setup.simulator, model, trial.every, leans.windows, whole=True, iterations=4, central=True))
     fits.sort(key=lambda f: f.chi2)
-    ended = [
-        fit(setup.simulator, f.model, trial.every, f.windows, huber=10.0, iterations=12, central=True)
-        for f in fits[:ENDED]
+    best = [
+        fit_records(setup.simulator, f.model, trial.every, f.windows, iterations=12, again=not trial.costly)
+        for f in fits[:ended]
     ]  # fmt: skip
-    return sorted([*ended, *fits[ENDED:]], key=lambda f: f.chi2)
+    return sorted([*best, *fits[ended:]], key=lambda f: f.chi2)
 
 
-def neighbours(found: Fit, p: Parameter, count: int = NEIGHBOURS) -> list[LoopModel]:
+def neighbours(found: Fit, p: Parameter, count: int) -> list[LoopModel]:
     """Models up to two standard deviations from a fit in one of its parameters: whole records are rugged."""
     if p not in found.parameters:
         return []
@@ -198,11 +203,11 @@ def _at(parameters: Sequence[Parameter], model: LoopModel) -> list[tuple[Paramet
     return [(p, abs(model.get(p.name))) for p in parameters]
 
 
-def rms_under(setup: Setup, found: Fit, weights_of: Fit) -> float:
-    """Weighted rms of one fit under the weights of another."""
-    windows = [replace(w, sd=o.sd) for w, o in zip(found.windows, weights_of.windows, strict=True)]
-    joined = np.concatenate(residuals(setup.simulator, found.model, windows))
-    return math.sqrt(float(np.mean(joined**2)))
+def gain(setup: Setup, without: Fit, found: Fit) -> float:
+    """Share by which a fit of whole records lowers the rms, what is far off counting little, of one without it [1]."""
+    windows = [replace(w, sd=o.sd) for w, o in zip(without.windows, found.windows, strict=True)]
+    plain = fit(setup.simulator, without.model, [], windows, whole=True, iterations=0)
+    return 1.0 - math.sqrt(found.chi2 / plain.chi2)
 
 
 def intervals(chosen: Trial, settled: Settled) -> dict[str, tuple[float, float, float]]:

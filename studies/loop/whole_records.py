@@ -8,16 +8,18 @@ Status   planted effects that swings only hint at are traced (studies/loop_trial
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from studies.loop.candidates import Candidate
-from studies.loop.fitting import Fit, fit
+from studies.loop.fitting import ROBUST, Fit, Parameter, fit, fit_records, objectives
+from studies.loop.model import RESTITUTION
 from studies.loop.preparing import Setup
 from studies.loop.rivals import Rival
 from studies.loop.scoring import errors
-from studies.loop.settling import neighbours, predictable, whole_fit
+from studies.loop.settling import FEW, neighbours, predictable, whole_fit
 from studies.loop.tracing import PAYS, Round, Trial, bic
 
 LEAST_OF_A_SCAN = 0.15
@@ -42,37 +44,98 @@ TELLING = 3
 """Records on which the starts are compared."""
 
 
-def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Trial | None:
-    """The best of the effects that whole records alone show, or None if it does not pay.
+def asked(setup: Setup, onto: Trial, whole: Fit, tried: Round, pool: Sequence[Candidate]) -> tuple[Rival, ...]:
+    """What whole records confirm of the effects that swings only hint at, and of those scanned; the best first."""
+    found = scan(setup, onto, whole, pool)
+    confirmed = [*hinted(setup, onto, whole, tried), *([] if found is None else [found])]
+    best: dict[tuple[str, ...], Rival] = {}
+    for rival in sorted(confirmed, key=lambda r: r.criterion):
+        best.setdefault(rival.trial.names, rival)
+    return tuple(best.values())
 
-    Such an effect acts at lift-off; its sum of squares is rugged, so that it is scanned over its range first.
+
+def explains_more(setup: Setup, found: Fit, other: Fit) -> bool:
+    """Whether a fit of whole records leaves by far less than another one, under the same weights."""
+    windows = [replace(w, sd=o.sd) for w, o in zip(other.windows, found.windows, strict=True)]
+    own, its = (fit(setup.simulator, f.model, [], w, whole=True, iterations=0)
+                for f, w in ((found, found.windows), (other, windows)))  # fmt: skip
+    return own.chi2 < its.chi2 - PAYS * max(1.0, own.chi2 / own.samples)
+
+
+def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Rival | None:
+    """The best of the effects that are scanned on whole records, or None if it does not pay.
+
+    Such an effect acts at lift-off, or on and off as friction gives way: no swing shows it, or only those that begin
+    with a slip that nobody knows.  Its sum of squares is rugged, so that it is scanned over its range first, then more
+    finely about the best, and fitted from there.
     """
-    best: tuple[float, Candidate, dict[str, float]] | None = None
-    for candidate in pool:
-        if candidate.in_swings or candidate.effect in onto.effects:
-            continue
-        for start in candidate.starts:
-            try:
-                model = whole.model.changed(start)
-                found = fit(setup.simulator, model, [], whole.windows, huber=10.0, iterations=2)
-            except ValueError:
-                break  # it does not go together with what is there already
-            if best is None or found.chi2 < best[0]:
-                best = (found.chi2, candidate, dict(start))
-    if best is None or whole.chi2 - best[0] < PAYS * max(1.0, best[0] / whole.samples):
+    windows = predictable(whole.windows)
+    open_to_it = [c for c in pool if c.scanned and c.effect not in onto.effects]
+    if not open_to_it or not windows:
         return None
-    _, candidate, start = best
-    ended = fit(
-        setup.simulator, whole.model.changed(start), candidate.parameters, whole.windows, huber=10.0, iterations=8
-    )
+    without = fit_records(setup.simulator, whole.model, onto.every, windows, iterations=8)
+    begun = [
+        (first, candidate)
+        for candidate in open_to_it
+        # Those that swings may show are asked only where these leave whole records unexplained.
+        if (not candidate.in_swings or without.rms > MISSED)
+        and (first := _scanned(setup, without, candidate)) is not None
+    ]
+    if not begun:
+        return None
+    near, candidate = min(begun, key=lambda pair: pair[0].chi2)
+    if without.chi2 - near.chi2 < PAYS * max(1.0, near.chi2 / without.samples):
+        return None
+    parameters = (*onto.calibrated_with(candidate), *onto.parameters, *candidate.parameters)
+    again = not any(part.costly for part in (*onto.parts, candidate))
+    ended = fit_records(setup.simulator, near.model, parameters, near.windows, iterations=12, again=again)
     # What a fit of the same records from here gains without the effect is not its own.
-    absent = {p.name: candidate.absent(onto.swing.model.declared)[p.name] for p in candidate.parameters}
-    without = fit(setup.simulator, ended.model.changed(absent), onto.every, ended.windows, huber=10.0, iterations=8)
-    if without.chi2 - ended.chi2 < PAYS * max(1.0, ended.chi2 / whole.samples):
+    absent = candidate.absent(onto.swing.model.declared)
+    alone = fit_records(setup.simulator, ended.model.changed(absent), onto.every, ended.windows, iterations=8)
+    rest = min(alone, without, key=lambda f: f.chi2)
+    if rest.chi2 - ended.chi2 < PAYS * max(1.0, ended.chi2 / ended.samples) or not _explains(ended, rest):
         return None
-    value = {p.name: ended.model.get(p.name) for p in candidate.parameters}
-    swing = fit(setup.simulator, onto.swing.model.changed(value), onto.every, onto.swing.windows, iterations=3)
-    return onto.with_(candidate, swing)
+    return _as_rival(setup, onto, whole, candidate, ended, parameters)
+
+
+def _scanned(setup: Setup, without: Fit, candidate: Candidate) -> Fit | None:
+    """The best of the scanned values, with leans fitted, and those between it and its neighbours."""
+    least = {RESTITUTION: max(without.model.restitution, candidate.least_restitution), **candidate.fixed}
+
+    def at(values: Mapping[str, float]) -> Fit | None:
+        try:
+            model = without.model.changed({**least, **values})
+            return fit(setup.simulator, model, [], without.windows, whole=True, iterations=2)
+        except ValueError:
+            return None  # it does not go together with what is there already
+
+    found = [(f, dict(v)) for v in candidate.scanned if (f := at(v)) is not None]
+    if not found:
+        return None
+    k = min(range(len(found)), key=lambda i: found[i][0].chi2)
+    between = [
+        {name: value + share * (found[j][1][name] - value) for name, value in found[k][1].items()}
+        for j in (k - 1, k + 1) if 0 <= j < len(found) for share in (0.25, 0.5, 0.75)
+    ]  # fmt: skip
+    found += [(f, v) for v in between if (f := at(v)) is not None]
+    return min((f for f, _ in found), key=lambda f: f.chi2)
+
+
+def _as_rival(
+    setup: Setup, onto: Trial, whole: Fit, candidate: Candidate, own: Fit, parameters: Sequence[Parameter]
+) -> Rival:
+    """An effect as a fit of whole records has it."""
+    if candidate.in_swings:
+        swings = fit(setup.simulator, own.model, [], onto.swing.windows, iterations=3).windows
+        # As whole records have it: how far the swings would let it go is what they say of it.
+        swing = fit(setup.simulator, own.model, parameters, swings, iterations=0)
+    else:
+        value = {p.name: own.model.get(p.name) for p in candidate.parameters}
+        swing = fit(setup.simulator, onto.swing.model.changed(value), onto.every, onto.swing.windows, iterations=3)
+    settled = onto.with_(candidate, swing)
+    ended = whole_fit(setup, settled, whole)
+    held = errors(setup, ended.model, ended.windows).holdout
+    return Rival(settled, ended, bic(own), bic(ended), held)
 
 
 def hints(onto: Trial, tried: Round) -> list[Trial]:
@@ -90,31 +153,39 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round) -> tuple[Rival, 
     windows = predictable(whole.windows)
     if whole.rms < MISSED or not windows:
         return ()
-    without = fit(setup.simulator, whole.model, onto.every, windows, huber=10.0, iterations=8, central=True)
+    without = fit_records(setup.simulator, whole.model, onto.every, windows, iterations=8)
     # The records that are missed most tell the starts apart.
     telling = np.sort(np.argsort(-without.by_window)[:TELLING])
     some = [windows[i] for i in telling]
     found = []
     for trial in hints(onto, tried):
         begun = [
-            fit(setup.simulator, model, trial.every, some, huber=10.0, iterations=4, central=True)
-            for model in neighbours(trial.swing, trial.parts[-1].parameters[0], STARTS)
+            fit(setup.simulator, model, trial.every, some, whole=True, iterations=4, central=True)
+            for model in neighbours(trial.swing, trial.parts[-1].parameters[0], FEW if trial.costly else STARTS)
         ]
         if not begun:
             continue
         nearest, states = min(begun, key=lambda f: f.chi2), list(windows)
         for i, window in zip(telling, nearest.windows, strict=True):
             states[i] = window
-        own = fit(setup.simulator, nearest.model, trial.every, states, huber=10.0, iterations=12, central=True)
-        if own.chi2 < (1.0 - LEAST_OF_A_SCAN) ** 2 * without.chi2 and not _at_the_cost_of_others(own, without):
-            swings = fit(setup.simulator, own.model, [], onto.swing.windows, iterations=3).windows
-            # As whole records have it: how far the swings would let it go is what they say of it.
-            swing = fit(setup.simulator, own.model, trial.every, swings, iterations=0)
-            settled = onto.with_(trial.parts[-1], swing)
-            ended = whole_fit(setup, settled, whole)
-            held = errors(setup, ended.model, ended.windows).holdout
-            found.append(Rival(settled, ended, bic(own), bic(ended), held))
+        own = fit_records(
+            setup.simulator, nearest.model, trial.every, states, iterations=12, again=not trial.costly
+        )  # fmt: skip
+        if _explains(own, without) and not _at_the_cost_of_others(own, without):
+            found.append(_as_rival(setup, onto, whole, trial.parts[-1], own, trial.every))
     return tuple(sorted(found, key=lambda r: r.criterion))
+
+
+def _explains(own: Fit, without: Fit) -> bool:
+    """Whether an effect lowers what is left of records by enough; what is lost with and without it says nothing."""
+    told = np.minimum(own.by_window, without.by_window) < ROBUST
+    if not told.any():
+        told[:] = True
+    with_it, plain = (
+        objectives([f.residuals[i] for i in np.flatnonzero(told)], [f.windows[i] for i in np.flatnonzero(told)],
+                   ROBUST, True).sum() for f in (own, without)
+    )  # fmt: skip
+    return bool(with_it < (1.0 - LEAST_OF_A_SCAN) ** 2 * plain)
 
 
 def _at_the_cost_of_others(own: Fit, without: Fit) -> bool:

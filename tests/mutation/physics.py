@@ -88,7 +88,7 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("rocking/batch.py", ("test_batch", "test_batch_with_effects", "test_exact_batch")),
     ("rocking/trajectory.py", ("test_trajectory", "test_method1_closed_forms")),
     ("rocking/solve.py", ("test_trajectory", "test_bad_input", "test_solvers_agree")),
-    ("rocking/two_springs.py", ("effects/test_two_springs",)),
+    ("rocking/soft_floor.py", ("effects/test_soft_floor", "effects/test_winkler_bed")),
     ("rocking/effects/*.py", EFFECTS),
     ("rocking/effect.py", EFFECTS),
     ("rocking/motion.py", ("test_trajectory", "effects/test_base_effects", *METHOD1)),

@@ -18,7 +18,7 @@ from rocking.composed import ComposedMethod1
 from rocking.effects import compose, parse
 from rocking.hybrid import REST, ROTATION, Base, Discrete, bind_hooks
 from rocking.method1 import linear_flow, nonlinear_flow
-from rocking.two_springs import BlockOnTwoSprings
+from rocking.soft_floor import BlockOnSoftFloor
 
 BLOCK = Block(b=0.2, h=0.8)
 TIME = sp.Symbol("t")
@@ -221,7 +221,7 @@ def test_two_springs_are_lagranges_equations_with_rayleighs_dashpots(seed: int) 
     rng = np.random.default_rng(60 + seed)
     texts = ["eccentric_mass.offset=0.02", "compliant_base.corner_stiffness=2e6", "compliant_base.damping_ratio=0.3"]
     system = compose(Method1(BLOCK), parse(texts))
-    assert isinstance(system, BlockOnTwoSprings)
+    assert isinstance(system, BlockOnSoftFloor)
     par = bind_hooks(system.parameters, lambda hook: partial(hook, scalars))
     # Deep in the floor, so that no dashpot would pull: Lagrange's springs hold both ways.
     place = [float(v) for v in (0.01 * rng.normal(), 0.35 + 0.005 * rng.normal(), 0.05 * rng.normal())]

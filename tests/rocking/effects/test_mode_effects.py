@@ -40,8 +40,8 @@ def test_bouncing_is_method_2_with_that_normal_restitution() -> None:
 
 @pytest.mark.parametrize("restitution", [None, 0.97])
 def test_sliding_and_bouncing_go_together_in_either_order(restitution: float | None) -> None:
-    law: Any = {} if restitution is None else {"impact_law": "two_corner", "restitution": restitution}
-    other = Method2(BLOCK, friction=0.5, normal_restitution=0.3, **law)
+    # What bounces has no restitution of its own: that follows from the bounces.
+    other = Method2(BLOCK, friction=0.5, normal_restitution=0.3)
     texts = ["sliding.friction=0.5", "bouncing.normal_restitution=0.3"]
     for given in (texts, texts[::-1]):
         same(given, Method1(BLOCK, restitution=restitution), other, theta=0.2)
@@ -51,8 +51,20 @@ def test_gravity_rest_speed_and_restitution_go_along() -> None:
     method = Method1(BLOCK, restitution=0.97, g=9.6, rest_speed=1e-4)
     law: Any = {"impact_law": "two_corner", "restitution": 0.97, "g": 9.6, "rest_speed": 1e-4}
     same(["sliding.friction=0.8"], method, Method2(BLOCK, friction=0.8, **law), theta=0.2)
-    other = Method2(BLOCK, friction=0.8, normal_restitution=0.2, **law)
+    same(["bouncing.friction=0.8"], method, Method2(BLOCK, friction=0.8, **law), theta=0.2)
+    other = Method2(BLOCK, friction=0.8, normal_restitution=0.2, g=9.6, rest_speed=1e-4)
     same(["bouncing.friction=0.8", "bouncing.normal_restitution=0.2"], method, other, theta=0.2)
+
+
+@pytest.mark.parametrize("restitution", [None, 0.9, 0.97])
+def test_the_more_a_corner_bounces_the_lower_the_next_swing(restitution: float | None) -> None:
+    peaks = []
+    for e_n in (0.2, 0.5, 0.8):
+        effects = parse([f"bouncing.normal_restitution={e_n}"])
+        run = solve(Method1(BLOCK, restitution=restitution), t_end=1.5, theta=0.2, effects=effects)
+        assert Mode.ROTATION_JUMP in run.events.mode_after
+        peaks.append(float(-run.y[:, 2].min()))
+    assert peaks[0] > 1.01 * peaks[1] > 1.02 * peaks[2]
 
 
 def test_effects_on_the_base_go_with_the_modes() -> None:

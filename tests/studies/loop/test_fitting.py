@@ -4,6 +4,7 @@ The records are made with the package's SciPy solver and noise; the fits run on 
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from excitation import RampedSinusoid
 from rocking import Block, Method1, solve
 from rocking.effects import load
 from studies.campaigns import Channel, DeclaredBlock, Test
-from studies.loop.fitting import Parameter, fit, gains, linearised, robust_covariance
+from studies.loop.fitting import MISSED, Parameter, fit, gains, linearised, robust_covariance
 from studies.loop.model import LoopModel
 from studies.loop.simulation import Job, Simulator
 from studies.loop.spread import redrawn
@@ -125,3 +126,35 @@ def test_the_lean_of_a_free_test_is_fitted_about_what_the_record_says(simulator:
     np.testing.assert_allclose(leans, [0.15, -0.19, 0.11], rtol=0.0, atol=5e-5)
     assert found.windows[3].theta == 0.0  # a forced test starts at rest
     assert found.rms == pytest.approx(1.0, abs=0.15)
+
+
+# A record of a block that loses far more (as if it had slid): 3 of 4 whole records say what the drag is.
+def test_one_whole_record_that_is_lost_does_not_move_what_the_others_say(tests: list[Test]) -> None:
+    t = tests[1].time
+    other = solve(Method1(BLOCK, restitution=0.8, g=9.81), theta=-0.19, t_end=float(t[-1]), save_at=t, solver="scipy")
+    spoilt = [tests[0], replace(tests[1], data={"rotation": other.theta}), *tests[2:]]
+    records = [record_of(test, k, NOISE, DECLARED.alpha) for k, test in enumerate(spoilt)]
+    whole = whole_windows([r for r in records if r is not None])
+    robust = fit(Simulator(spoilt), model(0.24), [DRAG], whole, whole=True)
+    assert robust.by_window[1] > 50.0 and np.delete(robust.by_window, 1).max() < 1.2
+    assert robust.values[DRAG.name] == pytest.approx(TRUE_C, abs=0.01)
+    squares = fit(Simulator(spoilt), model(0.24), [DRAG], whole, huber=math.inf)
+    assert abs(squares.values[DRAG.name] - TRUE_C) > 0.1
+    # Where all records are explained it is the sum of squares.
+    whole = whole_windows([record_of(test, k, NOISE, DECLARED.alpha) for k, test in enumerate(tests)])
+    met = fit(Simulator(tests), model(TRUE_C), [], whole, whole=True)
+    plain = fit(Simulator(tests), met.model, [], met.windows, huber=math.inf, iterations=0)
+    assert met.chi2 == pytest.approx(plain.chi2, rel=1e-12)
+
+
+# A drag that is not fitted pulls the four records' restitution apart: what it is known to is how far they disagree.
+def test_records_that_disagree_widen_the_covariance(simulator: Simulator, tests: list[Test], windows: list) -> None:
+    right, lacking = fit(simulator, model(TRUE_C), [E], windows), fit(simulator, model(0.0), [E], windows)
+    noisy = redrawn(tests, np.array([0.0, 0.0, 0.0, 0.004]))
+    narrow, wide = (math.sqrt(robust_covariance(simulator, noisy, f)[0, 0]) for f in (right, lacking))
+    assert right.spread < MISSED < lacking.spread
+    assert wide > 3.0 * narrow
+    by_record = [
+        fit(simulator, model(0.0), [E], [w for w in windows if w.record == k]).values["restitution"] for k in range(4)
+    ]
+    assert wide == pytest.approx(np.std(by_record, ddof=1) / 2.0, rel=0.7)

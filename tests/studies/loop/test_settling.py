@@ -75,6 +75,6 @@ def test_neighbours_reach_two_standard_deviations_within_the_bounds() -> None:
         parameters=(drag,), covariance=np.array([[0.04]]),
         model=LoopModel(block, 0.9, {"quadratic_drag": {"coefficient": 0.3}}),
     )  # fmt: skip
-    values = [model.get(drag.name) for model in neighbours(found, drag)]
+    values = [model.get(drag.name) for model in neighbours(found, drag, 11)]
     np.testing.assert_allclose(values, np.maximum(0.3 + 0.2 * np.linspace(-2.0, 2.0, 11), 0.0), atol=1e-12)
-    assert neighbours(found, Parameter("base_tilt.angle", 1e-3)) == []
+    assert neighbours(found, Parameter("base_tilt.angle", 1e-3), 11) == []

@@ -1,20 +1,23 @@
-"""A block on a floor that gives: a spring and a dashpot under each bottom corner, three freedoms.
+"""A block on a floor that gives: springs and dashpots under its corners or spread under its base; three freedoms.
 
 With F and N of each corner that touches (compression d of its foot, slip e since it touched, both with their rates),
 
-    N = max(k d + c d', 0),  F = -(k e + c e') while d > 0,  c = 2 xi sqrt(k m)
+    N = (1 - w) max(k d + c d', 0),  F = -(k e + c e') while d > 0,  c = 2 xi sqrt(k m)
     m x'' = sum F - m A_x,  m z'' = sum N - m A_z,  I_c theta'' = sum (r_z F - r_x N) - I_c psi''
 
-about the centre of mass (x, z), the base in the axes of the floor and psi'' its pitch acceleration.  The feet do not
+about the centre of mass (x, z), the base in the axes of the floor and psi'' its pitch acceleration.  The share w of
+the normal stiffness is a Winkler bed: a pressure max(w k d + w c d', 0) / a on each unit of length of the base (2 a
+wide) that is below the floor, as stiff in all as the two corners; its sums are in closed form.  The feet do not
 slip.  Where each foot touched is part of the state, so that tangential forces start from zero at each touch-down.
 A foot is held sideways as long as it is below the floor, also in the instants in which a dashpot would have to pull
 and N is zero: if F went with N, the two would switch each other on and off without end (from xi = 0.8 up).
 
-Source   Psycharis & Jennings (1983), Earthquake Eng. Struct. Dyn. 11, 57-76: two-spring foundation with uplift; the
-         tangential springs are those of the distinct elements of Winkler, Meguro & Yamazaki (1995).
-Status   energy balance, the static sink, periods of small oscillation, the rigid limit, and the history of the distinct
-         element with the same contacts (tests).  A block that stands on both corners has mode REST, on one ROTATION, on
-         none ROTATION_JUMP; it never stands wholly still.
+Source   Psycharis & Jennings (1983), Earthquake Eng. Struct. Dyn. 11, 57-76: two-spring foundation and Winkler bed with
+         uplift, here without their small angles; the tangential springs are those of the distinct elements of Winkler,
+         Meguro & Yamazaki (1995).
+Status   energy balance, the static sink, periods of small oscillation, the rigid limit, the history of the distinct
+         element with the same contacts, and a bed of many separate springs (tests).  A block that stands on both
+         corners has mode REST, on one ROTATION, on none ROTATION_JUMP; it never stands wholly still.
 """
 
 from __future__ import annotations
@@ -41,6 +44,7 @@ class Parameters(NamedTuple):
     g: float  # [m/s^2]
     k: float  # stiffness over mass [1/s^2]
     c: float  # dashpot over mass [1/s]
+    spread: float  # w, share of both that is a bed [1]
     balance_right: float  # tilt of unstable balance to +x [rad]
     balance_left: float  # to -x [rad], positive
     hooks: Any  # Hooks; those of an impact are not asked for, since its loss follows from the dashpots
@@ -67,9 +71,33 @@ def foot(xp: Any, y: Any, side: float, par: Parameters) -> Foot:
 
 def forces(xp: Any, at: Foot, touched: Any, touches: Any, par: Parameters) -> tuple[Any, Any]:
     """(F, N) over mass [m/s^2] of a foot that first touched the floor at x = touched."""
-    N = xp.where(touches, xp.maximum(-par.k * at.height - par.c * at.v, 0.0), 0.0)
+    N = xp.where(touches, (1.0 - par.spread) * xp.maximum(-par.k * at.height - par.c * at.v, 0.0), 0.0)
     F = xp.where(touches, -par.k * (at.x - touched) - par.c * at.u, 0.0)
     return F, N
+
+
+def positive_part(xp: Any, at_middle: Any, slope: Any, low: Any, high: Any) -> tuple[Any, Any]:
+    """The part of [low, high] in which at_middle + slope xi is positive; of no length where it nowhere is."""
+    zero = -at_middle / xp.where(slope == 0.0, 1.0, slope)
+    low = xp.where(slope > 0.0, xp.maximum(low, zero), low)
+    high = xp.where(slope < 0.0, xp.minimum(high, zero), high)
+    high = xp.where((slope == 0.0) & (at_middle <= 0.0), low, high)
+    return low, xp.maximum(high, low)
+
+
+def bed(xp: Any, y: Any, par: Parameters) -> tuple[Any, Any]:
+    """Normal force over mass [m/s^2] of the bed, and its moment [m^2/s^2] about the centre of mass."""
+    sin, cos = xp.sin(y[2]), xp.cos(y[2])
+    # Compression and its rate at xi along the base from its middle are linear in xi.
+    depth, depth_slope = par.H * cos - par.o * sin - y[1], sin
+    rate, rate_slope = -y[4] - y[5] * (par.o * cos + par.H * sin), y[5] * cos
+    k, c = par.spread * par.k / par.a, par.spread * par.c / par.a
+    pressure, slope = k * depth + c * rate, k * depth_slope + c * rate_slope
+    low, high = positive_part(xp, depth, depth_slope, -par.a, par.a)
+    low, high = positive_part(xp, pressure, slope, low, high)
+    first, second, third = high - low, 0.5 * (high**2 - low**2), (high**3 - low**3) / 3.0
+    N, about_middle = pressure * first + slope * second, pressure * second + slope * third
+    return N, -(cos * (about_middle - par.o * N) - par.H * sin * N)
 
 
 def touching(q: Discrete) -> tuple[Any, Any]:
@@ -89,11 +117,12 @@ def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any
     # A pitch about the middle of where the block stands carries the centre of mass along.
     A_x = A_x + base.pitch_acceleration * y[1]
     A_z = A_z - base.pitch_acceleration * y[0]
-    moment = right.r_z * F_r - right.r_x * N_r + left.r_z * F_l - left.r_x * N_l
+    N_b, moment_b = bed(xp, y, par)
+    moment = right.r_z * F_r - right.r_x * N_r + left.r_z * F_l - left.r_x * N_l + moment_b
     omega_dot = moment / par.rho2 - base.pitch_acceleration
     for i in range(par.hooks.pushing):
         omega_dot = omega_dot + par.hooks.accelerations[i](y[2], y[5], q.s, base, par.hooks.values[i])
-    return y[3], y[4], y[5], F_r + F_l - A_x, N_r + N_l - A_z, omega_dot, 0.0 * y[6], 0.0 * y[7]
+    return y[3], y[4], y[5], F_r + F_l - A_x, N_r + N_l + N_b - A_z, omega_dot, 0.0 * y[6], 0.0 * y[7]
 
 
 def guards(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any, ...]:
@@ -128,14 +157,16 @@ def balance(xp: Any, y: Any, par: Parameters) -> Any:
 
 
 @dataclass(frozen=True)
-class BlockOnTwoSprings:
-    """A block on two springs and dashpots; made by `rocking.effects.compliant_base`.
+class BlockOnSoftFloor:
+    """A block on springs and dashpots; made by `rocking.effects.compliant_base`.
 
     Args:
         rigid: the block on a rigid floor, with its form and hooks; its restitution is not used, for the loss of an
             impact follows from the dashpots.
         corner_stiffness: k of a corner, normal and tangential [N/m], positive.
         damping_ratio: xi = c / (2 sqrt(k m)) of a corner [1], 0 or more.
+        spread: share of the normal springs and dashpots that is spread under the base [1]: 0 for corners alone, 1 for
+            a Winkler bed as stiff in all as the two corners.
 
     Raises:
         ValueError: a number is out of its range, the floor is so soft that the block cannot stand on it, or the block
@@ -145,8 +176,9 @@ class BlockOnTwoSprings:
     rigid: ComposedMethod1
     corner_stiffness: float
     damping_ratio: float
+    spread: float = 0.0
 
-    name = "two_springs"
+    name = "soft_floor"
     state_names = ("x", "z", "theta", "u", "v", "omega", "foot_right", "foot_left")
     # "contact" is the right foot's, "landing" the left foot's.
     guard_names = ("fall", "contact", "landing", "right_lifts", "left_lifts")
@@ -160,16 +192,18 @@ class BlockOnTwoSprings:
     def __post_init__(self) -> None:
         positive("corner_stiffness", self.corner_stiffness, "N/m")
         within("damping_ratio", self.damping_ratio, 0.0, math.inf)
+        within("spread", self.spread, 0.0, 1.0)
         form = self.rigid.form
         striking = [effect.name for effect in self.effects if "restitution" in effect.ways()]
         foreign = ["rounded_edges"] * (form.edge_radius != 0.0) + ["base_adhesion"] * (form.adhesion != 0.0) + striking
         if foreign:
             raise ValueError(f"compliant_base: it does not go together with {foreign[0]}")
-        least = 0.5 * form.mass * self.g * form.mass_height / form.half_breadth**2
+        arm2 = form.half_breadth**2 * (1.0 - 2.0 * self.spread / 3.0)
+        least = 0.5 * form.mass * self.g * form.mass_height / arm2
         if self.corner_stiffness <= least:
             raise ValueError(
-                f"corner_stiffness={self.corner_stiffness!r} N/m: want more than m g H / (2 a^2) = {least:.6g} N/m, "
-                "below which the block cannot stand"
+                f"corner_stiffness={self.corner_stiffness!r} N/m: want more than m g H / (2 a^2 (1 - 2 w / 3)) = "
+                f"{least:.6g} N/m, below which the block cannot stand"
             )
 
     @property
@@ -199,7 +233,8 @@ class BlockOnTwoSprings:
         per_mass = self.corner_stiffness / form.mass
         return Parameters(
             form.half_breadth, form.offset, form.mass_height, form.rho2, float(self.g), per_mass,
-            2.0 * self.damping_ratio * math.sqrt(per_mass), form.theta_c(1.0), form.theta_c(-1.0), self.rigid.hooks,
+            2.0 * self.damping_ratio * math.sqrt(per_mass), float(self.spread), form.theta_c(1.0), form.theta_c(-1.0),
+            self.rigid.hooks,
         )  # fmt: skip
 
     def initial_state(self, theta: float = 0.0, omega: float = 0.0) -> tuple[tuple[float, ...], Discrete]:
@@ -215,8 +250,8 @@ class BlockOnTwoSprings:
 
     @staticmethod
     def _standing(par: Parameters) -> float:
-        """Tilt [rad] in balance on both feet: sin(theta) = (g / 2 k a^2) (o + H tan(theta))."""
-        softness, theta = 0.5 * par.g / (par.k * par.a**2), 0.0
+        """Tilt [rad] in balance on the whole base: sin(theta) = g (o + H tan(theta)) / (2 k a^2 (1 - 2 w / 3))."""
+        softness, theta = 0.5 * par.g / (par.k * par.a**2 * (1.0 - 2.0 * par.spread / 3.0)), 0.0
         while True:
             sine = softness * (par.o + par.H * math.tan(theta))
             # No balance on both feet: the block is let go upright, and tips.
@@ -232,7 +267,11 @@ class BlockOnTwoSprings:
         cos, sin = math.cos(theta), math.sin(theta)
         weight, step = par.g / par.k, 2.0 * par.a * s * sin
         both = step < weight
-        depth = 0.5 * (weight + step) if both else weight
+        corner = 1.0 - par.spread
+        # On a part of the bed alone, (1 - w) d + w d^2 / step is the weight.
+        depth = 0.5 * (weight + step) if both else (
+            2.0 * weight / (corner + math.sqrt(corner**2 + 4.0 * par.spread * weight / step))
+        )  # fmt: skip
         along, up = s * par.a - par.o, -par.H
         r_x, r_z = along * cos + up * sin, -along * sin + up * cos
         x, z = s * par.a * cos - r_x, -depth - r_z
