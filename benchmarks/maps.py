@@ -28,9 +28,9 @@ from trajectories import floor_us, fused_per_second
 
 from excitation import PiecewiseLinear, RampedSinusoid
 from rocking import Block, Method1, solve, solve_batch
+from rocking.solvers.arrays import taylor_batch
 from rocking.solvers.devices import jax_device
 from rocking.solvers.exact.batch import RampedSines, ScaledRecord, exact_batch
-from rocking.solvers.taylor.arrays import taylor_batch
 
 RESULTS = Path(__file__).parent / "results" / "maps.csv"
 HEAD = ["map", "form", "by", "runs", "wall_s", "cpu_s", "cpu_us_a_run", "this_over_taylor", "overturned", "impacts"]

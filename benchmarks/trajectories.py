@@ -33,8 +33,8 @@ from peers.heyoka_events import heyoka_runner
 
 from rocking import Method1, solve
 from rocking.solvers import load
+from rocking.solvers.arrays import taylor_batch
 from rocking.solvers.exact.batch import RampedSines, ScaledRecord, exact_batch
-from rocking.solvers.taylor.arrays import taylor_batch
 
 RESULTS = Path(__file__).parent / "results" / "trajectories.csv"
 HEAD = ["case", "form", "by", "cpu_us", "solve_ivp_over_this", "this_over_floor", "impacts", "error_of_fifth_impact_s"]

@@ -10,7 +10,7 @@
     ('frequency', 'amplitude')
 
 Ramped sinusoids and records that are straight between samples go some hundred times faster with `solver="taylor"`
-(`"exact"` for the linear form); for a million blocks, from arrays: `rocking.solvers.taylor.arrays.taylor_batch`.
+(`"exact"` for the linear form); for a million blocks, from arrays: `rocking.solvers.arrays.taylor_batch`.
 
 Source   Makris & Konstantinidis (2003), Earthquake Eng. Struct. Dyn. 32, 265-289, for the rocking spectrum.
 """

@@ -95,6 +95,8 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("rocking/scalars.py", (*METHOD1, *METHOD2)),
     ("rocking/solvers/exact/jax*.py", ("test_devices", *EXACT)),
     ("rocking/solvers/exact/*.py", EXACT),
+    ("rocking/solvers/piecewise/*.py", (*EXACT, *TAYLOR)),
+    ("rocking/solvers/arrays.py", TAYLOR),
     ("rocking/solvers/taylor/*.py", TAYLOR),
     ("rocking/solvers/diffrax/*.py", DIFFRAX),
     ("rocking/solvers/scipy_events.py", ("test_solvers_agree", "test_physics_under_jax", "test_trajectory")),

@@ -10,8 +10,8 @@ import pytest
 from excitation import PiecewiseLinear
 from rocking import Block, Method1, Method2, Mode, Outcome, solve, solve_batch
 from rocking.closed_forms import free_impact_time
+from rocking.solvers.arrays import taylor_batch
 from rocking.solvers.exact.batch import RampedSines, ScaledRecord, exact_batch
-from rocking.solvers.taylor.arrays import taylor_batch
 
 FORMS = pytest.mark.parametrize("form", ["nonlinear", "linear"])
 

@@ -9,23 +9,13 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numba
-import numpy as np
 from numba import types
 
 from rocking.solvers.exact.kernel import Record, Sine, prepared, run_record, run_sine
-from rocking.solvers.exact.step import END, EVENTS, PEAK, SAVED, STATUS, Body, Log
+from rocking.solvers.exact.step import END, EVENTS, PEAK, SAVED, STATUS, Body
 from rocking.solvers.numba.compiling import compiled
+from rocking.solvers.piecewise.run_log import new_log
 from rocking.solvers.recording import REACHED_END
-
-
-@numba.njit(error_model="numpy")
-def new_log(save_at, room):
-    """An empty log with room for so many events."""
-    n = save_at.size
-    return Log(
-        save_at, np.empty((n, 2)), np.empty(n, np.int64), np.empty(n),
-        np.empty(room), np.empty((room, 3), np.int64), np.empty(room), np.empty((room, 2, 2)),
-    )  # fmt: skip
 
 
 @numba.njit(error_model="numpy")

@@ -4,7 +4,8 @@ All functions act on arrays of one shape, an element for each run.  A search tha
 operations goes a shorter way, of which a bound of the curvature proves that no root is passed, and is taken up again
 from there; near a root such steps converge as fast as Newton's method, and nothing is ever missed.
 
-Source   own derivation, as `rocking.solvers.exact.polynomial`; linear equation of Winkler, Meguro & Yamazaki (1995).
+Source   own derivation, as `rocking.solvers.piecewise.polynomial`; linear equation of Winkler, Meguro & Yamazaki
+         (1995).
 """
 
 from __future__ import annotations

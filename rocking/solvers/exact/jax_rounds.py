@@ -26,8 +26,8 @@ from rocking.solvers.exact.jax_lanes import (
     stop_of,
     turns,
 )
-from rocking.solvers.exact.kernel import BLOCK
 from rocking.solvers.recording import FELL, MAX_STALLED, REACHED_END, STALL_TIME, STALLED, TOO_MANY_EVENTS
+from rocking.solvers.taylor.records import BLOCK
 
 PASSED = 8
 """Intervals that a round may pass."""

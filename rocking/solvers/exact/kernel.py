@@ -22,15 +22,13 @@ import numba
 import numpy as np
 
 from rocking.hybrid import REST, ROTATION
-from rocking.solvers.exact.polynomial import fma
 from rocking.solvers.exact.step import LONGEST_STEP, STATUS, WATCH, Body, Plan, carry, keep_flight, new_tally
+from rocking.solvers.piecewise.polynomial import fma
 from rocking.solvers.recording import REACHED_END
+from rocking.solvers.taylor.records import BLOCK
 
 LONGEST_TURN = 1.0 / 8.0
 """Longest interval in omega t for a sinusoid."""
-
-BLOCK = 32
-"""Samples whose largest |a| is known beforehand, to pass over them at rest."""
 
 SCAN = 64
 """Intervals after which the sinusoid is computed afresh."""

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from rocking.hybrid import REST, ROTATION, Discrete, System
 from rocking.motion import BaseMotion
-from rocking.solvers.exact.motion import piecewise_linear, ramped_sine, refusal
+from rocking.solvers.piecewise.motion import piecewise_linear, ramped_sine, refusal
 from rocking.solvers.recording import trajectory
 from rocking.solvers.taylor.batch import parameter_row
 from rocking.trajectory import Events, Trajectory
@@ -50,7 +50,11 @@ class Exact:
         from rocking.solvers.taylor.batch import run_batch
 
         device = chosen(options.get("device"), len(systems))
-        return run_batch(systems, motions, states, t_span, options["max_events"], device)
+        if device is None:
+            return run_batch(systems, motions, states, t_span, options["max_events"])
+        from rocking.solvers.exact.jax_batch import carry_on_device
+
+        return run_batch(systems, motions, states, t_span, options["max_events"], device, carry_on_device)
 
     def solve(
         self,

@@ -10,14 +10,14 @@ Source   Winkler, Meguro & Yamazaki (1995), eqs (1)-(4), in the form of `rocking
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numba
 import numpy as np
 
 from rocking.hybrid import REST, ROTATION
 from rocking.method1 import FALL, IMPACT, TIP
-from rocking.solvers.exact.polynomial import NONE, below, derivative, first_descent, fma, value
+from rocking.solvers.piecewise.polynomial import NONE, below, derivative, first_descent, fma, value
 from rocking.solvers.recording import FELL, MAX_STALLED, REACHED_END, STALL_TIME, STALLED, TOO_MANY_EVENTS
 from rocking.trajectory import BALANCE
 
@@ -59,19 +59,6 @@ class Body(NamedTuple):
     s: float
     x: float  # s theta
     v: float  # s omega
-
-
-class Log(NamedTuple):
-    """Where a run is written down; a batch has none."""
-
-    save_at: Any
-    y: Any
-    mode: Any
-    s: Any
-    event_t: Any
-    event_code: Any
-    event_s: Any
-    event_y: Any
 
 
 @numba.njit(error_model="numpy", forceinline=True)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from rocking.hybrid import REST, ROTATION
 from rocking.solvers.devices import label
-from rocking.solvers.exact.motion import piecewise_linear, ramped_sine
+from rocking.solvers.piecewise.motion import piecewise_linear, ramped_sine
 from rocking.solvers.taylor.columns import (
     COLUMNS,
     COUNT,
@@ -99,11 +99,12 @@ def run_batch(
     t_span: tuple[float, float],
     max_events: int,
     device: Any = None,
+    on_device: Callable[[Samples | None, Array, Array, Array, int, Any], Array] | None = None,
 ) -> dict[str, Any]:
     """The summary of every run, by name, as `rocking.solve_batch` asks a solver for it.
 
     Systems are of Method 1 and of one form; motions are ramped sinusoids or straight between samples, each as it likes.
-    device: one of JAX for the linear form; the compiled kernels if None.
+    device, on_device: one of JAX, and what carries portions there; the compiled kernels if not given.
 
     Raises:
         ValueError: the systems are not of one form.
@@ -120,12 +121,10 @@ def run_batch(
         def part(first: int, stop: int, own: list[Array] = own) -> list[Array]:
             return [t[first:stop] for t in own]
 
-        if device is None:
+        if on_device is None:
             rows[members] = carry_portions(form, record, part, len(members), max_events)
         else:
-            from rocking.solvers.exact.jax_batch import carry_on_device
-
-            rows[members] = carry_on_device(record, own[0], own[1], own[2], max_events, device)
+            rows[members] = on_device(record, own[0], own[1], own[2], max_events, device)
     fell = rows[:, OVERTURNED] > 0.0
     return {
         "fell": fell,

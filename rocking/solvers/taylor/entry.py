@@ -13,8 +13,8 @@ import numpy as np
 from numba import types
 
 from rocking.hybrid import REST, ROTATION
-from rocking.solvers.exact.entry import new_log
 from rocking.solvers.numba.compiling import borrowing, compiled
+from rocking.solvers.piecewise.run_log import new_log
 from rocking.solvers.taylor import table as row
 from rocking.solvers.taylor.lanes import carry
 from rocking.solvers.taylor.log import write_end, write_step, write_wait

@@ -24,7 +24,7 @@ from numba import types
 from rocking.solvers.taylor.vector import emitted, fma_of, lanes_type, most_of, size_of
 
 DEGREE = 9
-"""Of the polynomial of x; the functions of `rocking.solvers.exact.polynomial` take the same ten coefficients."""
+"""Of the polynomial of x; the functions of `rocking.solvers.piecewise.polynomial` take the same ten coefficients."""
 
 LONGEST = 1.0 / 16.0
 """Longest step in p t; the nonlinear block takes shorter ones where its last terms are not small."""

@@ -9,8 +9,8 @@ import math
 
 from rocking.hybrid import REST, ROTATION
 from rocking.method1 import FALL, IMPACT, TIP
-from rocking.solvers.exact.polynomial import derivative, value
 from rocking.solvers.numba.compiling import borrowing
+from rocking.solvers.piecewise.polynomial import derivative, value
 from rocking.solvers.recording import REACHED_END
 from rocking.solvers.taylor import table as row
 from rocking.trajectory import BALANCE

@@ -18,6 +18,10 @@ SCALE, DT, T_FIRST, FIRST, SAMPLES, LARGEST_SAMPLE = range(6)
 sample [s], where it is in the array, number of samples, largest |sample|."""
 
 
+BLOCK = 32
+"""Samples whose largest |a| is known beforehand, to pass over them at rest."""
+
+
 class Samples(NamedTuple):
     """What runs over records share."""
 
@@ -27,8 +31,6 @@ class Samples(NamedTuple):
 
 def joined(records: Sequence[tuple[Array, Array]]) -> tuple[Samples, Array]:
     """(samples, rows of scale 1), shape (record, column), of records ((t_first, dt), values)."""
-    from rocking.solvers.exact.kernel import BLOCK
-
     # One sample alone is an instant, in which nothing happens.
     heads, values = [head for head, _ in records], [v if len(v) > 1 else np.zeros(2) for _, v in records]
     counts = np.array([len(v) for v in values])

@@ -2,8 +2,8 @@
 
 A lane is decided at once where bounds of the coefficients prove that its polynomial rises, falls or curves one way
 only, which leaves one root or none; Newton's method within a bracket finds it.  The rest, some in a thousand, walk in
-steps too short to pass a root (`rocking.solvers.exact.polynomial`).  Each lane stops when it has converged itself, so
-its bits do not depend on its neighbours.
+steps too short to pass a root (`rocking.solvers.piecewise.polynomial`).  Each lane stops when it has converged itself,
+so its bits do not depend on its neighbours.
 
 Source   own derivation.
 """
@@ -16,8 +16,8 @@ from typing import Any
 import numba
 import numpy as np
 
-from rocking.solvers.exact.polynomial import NONE, SURE, derivative, root_by_walking
 from rocking.solvers.numba.compiling import borrowing
+from rocking.solvers.piecewise.polynomial import NONE, SURE, derivative, root_by_walking
 from rocking.solvers.taylor.flight import DEGREE, POLYNOMIAL, evaluated, slope, value
 from rocking.solvers.taylor.vector import (
     LANES,

@@ -2,7 +2,7 @@
 
 A step ends at the next sample, or where the polynomial no longer serves, or at an impact, which is a root of the
 polynomial itself; sine and cosine of the tilt follow by the recurrences of automatic differentiation.  For the
-nonlinear and the linear form, over motions that `rocking.solvers.exact.motion` describes: ramped sinusoids, records
+nonlinear and the linear form, over motions that `rocking.solvers.piecewise.motion` describes: ramped sinusoids, records
 that are straight between samples, and a base at rest.  Batches carry several runs in the lanes of a vector
 (`rocking.solvers.taylor.lanes`) and give the bits of single runs.
 
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from rocking.hybrid import Discrete, System
 from rocking.motion import BaseMotion
-from rocking.solvers.exact.motion import piecewise_linear, ramped_sine, refusal
+from rocking.solvers.piecewise.motion import piecewise_linear, ramped_sine, refusal
 from rocking.solvers.recording import trajectory
 from rocking.solvers.taylor.batch import parameter_row, run_batch, start_row
 from rocking.solvers.taylor.columns import COLUMNS, LARGEST

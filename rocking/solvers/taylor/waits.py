@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from rocking.solvers.exact.kernel import BLOCK
 from rocking.solvers.numba.compiling import borrowing
+from rocking.solvers.taylor.records import BLOCK
 
 MOST_STEPS = 200
 """Newton steps and halvings."""

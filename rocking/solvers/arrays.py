@@ -1,7 +1,7 @@
 """Many blocks at a time through the nonlinear Method 1: maps, spectra and fragilities from arrays of numbers.
 
 >>> from rocking.solvers.exact.batch import RampedSines
->>> from rocking.solvers.taylor.arrays import taylor_batch
+>>> from rocking.solvers.arrays import taylor_batch
 >>> waves = RampedSines(omega=[6.0, 12.0], rate=1.5, duration=10.0)
 >>> taylor_batch(waves, p=5.3, alpha=0.29, e=0.88, t_end=10.0).overturned.shape
 (2,)
