@@ -79,10 +79,10 @@ def forces(xp: Any, at: Foot, touched: Any, touches: Any, par: Parameters) -> tu
 def positive_part(xp: Any, at_middle: Any, slope: Any, low: Any, high: Any) -> tuple[Any, Any]:
     """The part of [low, high] in which at_middle + slope xi is positive; of no length where it nowhere is."""
     zero = -at_middle / xp.where(slope == 0.0, 1.0, slope)
-    low = xp.where(slope > 0.0, xp.maximum(low, zero), low)
-    high = xp.where(slope < 0.0, xp.minimum(high, zero), high)
-    high = xp.where((slope == 0.0) & (at_middle <= 0.0), low, high)
-    return low, xp.maximum(high, low)
+    within = xp.minimum(xp.maximum(zero, low), high)
+    first = xp.where(slope > 0.0, within, low)
+    last = xp.where(slope < 0.0, within, high)
+    return first, xp.where((slope == 0.0) & (at_middle <= 0.0), first, last)
 
 
 def bed(xp: Any, y: Any, par: Parameters) -> tuple[Any, Any]:
@@ -244,7 +244,8 @@ class BlockOnSoftFloor:
         """
         par = self.parameters
         if theta == 0.0 and omega == 0.0:
-            return self._placed(par, self._standing(par), 0.0, 1.0)
+            tilt = self._standing(par)
+            return self._placed(par, tilt, 0.0, math.copysign(1.0, tilt))
         leans = theta if theta != 0.0 else omega
         return self._placed(par, theta, omega, -1.0 if leans < 0.0 else 1.0)
 
@@ -258,20 +259,43 @@ class BlockOnSoftFloor:
             if not abs(sine) < 1.0:
                 return 0.0
             if abs(math.asin(sine) - theta) <= 1e-14:
-                return theta
+                break
             theta = math.asin(sine)
+        whole = 2.0 * par.a * abs(math.sin(theta)) < par.g / par.k
+        return theta if whole or par.spread == 0.0 else math.copysign(BlockOnSoftFloor._standing_on_a_part(par), par.o)
+
+    @staticmethod
+    def _standing_on_a_part(par: Parameters) -> float:
+        """Tilt [rad], 0 or more, in balance on a part of the bed; 0 where there is none."""
+        from scipy.optimize import brentq  # here, since few need it and it takes long to import
+
+        def excess(theta: float) -> float:
+            # Moment of the pressures about the middle of the base, less that of the weight; over k.
+            step, depth = 2.0 * par.a * math.sin(theta), BlockOnSoftFloor._depth(par, 2.0 * par.a * math.sin(theta))
+            on_bed = par.spread * depth**2 / step * (par.a - depth / (3.0 * math.sin(theta)))
+            held = (1.0 - par.spread) * depth * par.a + on_bed
+            return held - par.g / par.k * (abs(par.o) + par.H * math.tan(theta))
+
+        low = math.asin(min(0.5 * par.g / (par.k * par.a), 1.0))
+        steeper = (low + (0.5 * math.pi - low) * (i / 400.0) ** 3 for i in range(1, 400))
+        high = next((theta for theta in steeper if excess(theta) > 0.0), None)
+        return 0.0 if high is None else float(brentq(excess, low * (1.0 + 1e-12), high, xtol=1e-15, rtol=1e-14))
+
+    @staticmethod
+    def _depth(par: Parameters, step: float) -> float:
+        """How deep [m] the lower corner is under the block's weight, where the other one is `step` [m] above it."""
+        weight, corner = par.g / par.k, 1.0 - par.spread
+        if step < weight:
+            return 0.5 * (weight + step)
+        # On a part of the bed alone, (1 - w) d + w d^2 / step is the weight.
+        return 2.0 * weight / (corner + math.sqrt(corner**2 + 4.0 * par.spread * weight / step))
 
     @staticmethod
     def _placed(par: Parameters, theta: float, omega: float, s: float) -> tuple[tuple[float, ...], Discrete]:
         """The state at that tilt, turning about the foot of the side s."""
         cos, sin = math.cos(theta), math.sin(theta)
-        weight, step = par.g / par.k, 2.0 * par.a * s * sin
-        both = step < weight
-        corner = 1.0 - par.spread
-        # On a part of the bed alone, (1 - w) d + w d^2 / step is the weight.
-        depth = 0.5 * (weight + step) if both else (
-            2.0 * weight / (corner + math.sqrt(corner**2 + 4.0 * par.spread * weight / step))
-        )  # fmt: skip
+        step = 2.0 * par.a * s * sin
+        both, depth = step < par.g / par.k, BlockOnSoftFloor._depth(par, step)
         along, up = s * par.a - par.o, -par.H
         r_x, r_z = along * cos + up * sin, -along * sin + up * cos
         x, z = s * par.a * cos - r_x, -depth - r_z

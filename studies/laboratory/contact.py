@@ -95,7 +95,7 @@ def run(C, h, every, y, P, out, sub):
 
 
 def start(world: World, theta0: float) -> np.ndarray:
-    """At rest on its springs, or held at a lean with its weight on one corner."""
+    """At rest on its springs, or held at a lean with its weight on one corner or on a part of the bed."""
     weight = world.mass * world.gravity
     if theta0 == 0.0:
         depth = weight / (world.stiffness * (2 if world.springs == 2 else 1))

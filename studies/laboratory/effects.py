@@ -119,7 +119,7 @@ def compliant_base(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
 
 
 def winkler_bed(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
-    """A bed of many springs, as stiff in all as two corners: the same effect by name, with no corner to be stiff."""
+    """A bed, as stiff in all as two corners of this stiffness: the same effect by name."""
     stiffness, damping = _soft(lab, d, k)
     bed = _world(lab, stiffness=2 * stiffness, damping=2 * damping, springs=25.0, friction=0.9)
     return replace(bed, engine="contact"), {"corner_stiffness": stiffness}

@@ -35,6 +35,7 @@ class Candidate:
     least_restitution: float = 0.0  # [1] that it goes together with
     slips: bool = False  # whether a window begins with a slip that no rotation shows and that is carried over to it
     scanned: tuple[Mapping[str, float], ...] = ()  # values at which whole records are tried where swings do not tell
+    replaces_restitution: bool = False  # whether the loss of an impact follows from its own parameters
     costly: bool = False  # whether a run takes tens of times as long as that of a rigid block: fewer starts are tried
 
     @property
@@ -104,7 +105,7 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
                 Parameter("compliant_base.damping_ratio", 0.3, 1e-3, 2.0, True),
             ),
             tuple({"compliant_base.corner_stiffness": k, "compliant_base.damping_ratio": 0.15} for k in soft),
-            {"compliant_base.spread": spread}, smooth=False, costly=True,
+            {"compliant_base.spread": spread}, smooth=False, replaces_restitution=True, costly=True,
         )
         for label, spread in (("compliant_base", 0.0), ("compliant_base[bed]", 1.0))
     )  # fmt: skip
@@ -131,7 +132,8 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
         Candidate(
             "bouncing", "bouncing", (Parameter("bouncing.normal_restitution", 0.05, 1e-3, 0.95),),
             tuple({"bouncing.normal_restitution": e} for e in (0.05, 0.2, 0.5)), {"bouncing.friction": math.inf},
-            smooth=False, slips=True, scanned=tuple({"bouncing.normal_restitution": 0.05 * k} for k in range(1, 19)),
+            smooth=False, slips=True, replaces_restitution=True,
+            scanned=tuple({"bouncing.normal_restitution": 0.05 * k} for k in range(1, 19)),
         ),
         Candidate(
             "base_adhesion", "base_adhesion", (Parameter("base_adhesion.moment", 0.02 * moment, 0.0, 2.0 * moment),),

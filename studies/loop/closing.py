@@ -183,6 +183,7 @@ def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[R
         if setup.by_rotation and (not likely or (depth == 0 and unsettled)):
             tell("asking whole records")
             confirmed = asked(setup, path[-1], fits[-1], tried, pool)
+            confirmed = tuple(r for r in confirmed if gain(setup, fits[-1], r.whole) > LEAST_GAIN)
             if confirmed and accepted is not None and not explains_more(setup, confirmed[0].whole, accepted[1]):
                 confirmed = ()
         rounds.append(tried)

@@ -77,7 +77,7 @@ class Fit:
     model: LoopModel
     parameters: tuple[Parameter, ...]
     windows: tuple[Window, ...]  # with the fitted states
-    chi2: float  # sum of squares over the variances, Huber's for windows far off, prior included
+    chi2: float  # sum of squares over the variances, less for windows far off, prior included
     rms: float  # root mean square over the standard deviations, plain
     samples: int
     covariance: Array  # of the parameters in their outer scale
@@ -521,7 +521,8 @@ def robust_covariance(simulator: Simulator, noisy: Simulator, found: Fit) -> Arr
     Under the fitted model each record is answered again under redrawn base noise; what that does to the gradient is
     put between two inverses of the information.  Windows are taken as independent.  Where the model misses records by
     more than the noise, what it misses goes together within a record: the gradients that the records leave, one against
-    another, are put between as well.
+    another, are put between as well; of too few records the whole is taken times the mean square that is left.  The
+    information of a record that counts less is that of its weight, somewhat more than it has.
 
     Args:
         simulator: of the fit.
@@ -550,12 +551,13 @@ def robust_covariance(simulator: Simulator, noisy: Simulator, found: Fit) -> Arr
             moved = np.nan_to_num((read[(k + 1) * n + i] - read[i]) * w.weights)
             g = weight * (own.T @ moved)
             meat += np.outer(g, g) / draws
-    records = sorted({w.record for w in windows})
+    records, beside = sorted({w.record for w in windows}), found.spread
     if found.spread > MISSED and len(records) > len(found.parameters):
+        beside = 1.0
         for record in records:
             of_it = [(p, k) for p, w, k in zip(each, windows, weights, strict=True) if w.record == record]
             g = np.sum([k * (p.A.T @ p.r) for p, k in of_it], axis=0)
             meat += len(records) / (len(records) - len(found.parameters)) * np.outer(g, g)
     inverse = np.linalg.pinv(matrix)
     scale = np.array([_slope(p, model.get(p.name)) for p in found.parameters])
-    return np.asarray(inverse @ meat @ inverse * np.outer(scale, scale), dtype=np.float64)
+    return np.asarray(beside * (inverse @ meat @ inverse) * np.outer(scale, scale), dtype=np.float64)

@@ -27,7 +27,7 @@ class Rival:
 
     trial: Trial
     whole: Fit
-    criterion: float  # bic of the swings
+    criterion: float  # bic of the swings, or of whole records where these decided
     whole_criterion: float
     holdout: float  # median error over held-out tests [rad]
 

@@ -85,9 +85,7 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
     # Whole records of accelerometers hang too finely on when the side changes for a covariance to say how finely.
     minima = _while_predictable(setup, trial, whole) if setup.by_rotation else []
     fits = [f for f in (trial.swing, *minima[:1]) if f.parameters]
-    # A fit that is worse than the noise has parameters that are less sure than the noise says.
-    spreads = [f.spread if f.whole else max(1.0, f.rms**2) for f in fits]
-    covariances = [k * robust_covariance(setup.simulator, setup.noisy, f) for k, f in zip(spreads, fits, strict=True)]
+    covariances = [robust_covariance(setup.simulator, setup.noisy, f) for f in fits]
     apart = _apart(minima, covariances[-1]) if len(minima) > 1 and trial.every else None
     if apart is not None:
         covariances[-1] = covariances[-1] + apart

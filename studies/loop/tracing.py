@@ -2,7 +2,8 @@
 
 From the calibrated baseline a score test ranks the smooth effects at one linearisation; those that may pay, and all
 that have no derivative at nothing, are refitted in full over windows of one swing.  The best is added, and the search
-goes on from there, until the next does not pay.  Effects that swings do not show are scanned on whole records.
+goes on from there, until the next does not pay.  Effects that swings do not show, or show now and then, are
+scanned on whole records (`studies.loop.whole_records`).
 
 Source   score (Lagrange multiplier) test: Rao (1948).
 Status   thresholds `PAYS` and `LEAST_GAIN`; studies/loop_trials.py measures how often they find something in nothing.
@@ -84,9 +85,11 @@ class Trial:
         return Trial((*self.names, part.name), (*self.parts, part), swing, score, self.calibrated_with(part))
 
     def calibrated_with(self, part: Candidate) -> tuple[Parameter, ...]:
-        """What is calibrated once an effect is there: restitution within what it goes together with."""
+        """What is calibrated once an effect is there: restitution within what it goes together with, if at all."""
         return tuple(
-            replace(p, low=max(p.low, part.least_restitution)) if p.name == RESTITUTION else p for p in self.calibrated
+            replace(p, low=max(p.low, part.least_restitution)) if p.name == RESTITUTION else p
+            for p in self.calibrated
+            if p.name != RESTITUTION or not part.replaces_restitution
         )
 
 
@@ -105,7 +108,7 @@ class Round:
 
 
 def bic(found: Fit) -> float:
-    """Chi-square (Huber's) and the price of the parameters, ln(n) each."""
+    """Chi-square (less for windows far off) and the price of the parameters, ln(n) each."""
     return found.chi2 + len(found.parameters) * math.log(max(found.samples, 2))
 
 

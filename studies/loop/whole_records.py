@@ -1,7 +1,7 @@
 """Effects that single swings do not show, or only hint at, looked for in whole records.
 
-Whole records are rugged: a small difference grows with every impact.  So they are asked only where swings say nothing,
-while they are predictable, and from several starts.
+Whole records are rugged: a small difference grows with every impact.  So they are asked only where swings say nothing
+or what they say is not borne out, while they are predictable, and from several starts.
 
 Status   planted effects that swings only hint at are traced (studies/loop_trials.py)
 """
@@ -63,7 +63,7 @@ def explains_more(setup: Setup, found: Fit, other: Fit) -> bool:
 
 
 def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Rival | None:
-    """The best of the effects that are scanned on whole records, or None if it does not pay.
+    """Of the effects that are scanned on whole records the best one that pays, or None.
 
     Such an effect acts at lift-off, or on and off as friction gives way: no swing shows it, or only those that begin
     with a slip that nobody knows.  Its sum of squares is rugged, so that it is scanned over its range first, then more
@@ -83,17 +83,30 @@ def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Ri
     ]
     if not begun:
         return None
-    near, candidate = min(begun, key=lambda pair: pair[0].chi2)
+    for near, candidate in sorted(begun, key=lambda pair: pair[0].chi2):
+        found = _confirmed(setup, onto, whole, without, near, candidate)
+        if found is not None:
+            return found
+    return None
+
+
+def _confirmed(
+    setup: Setup, onto: Trial, whole: Fit, without: Fit, near: Fit, candidate: Candidate
+) -> Rival | None:  # fmt: skip
+    """The candidate fitted from where a scan found it, or None if it does not pay."""
     if without.chi2 - near.chi2 < PAYS * max(1.0, near.chi2 / without.samples):
         return None
     parameters = (*onto.calibrated_with(candidate), *onto.parameters, *candidate.parameters)
     again = not any(part.costly for part in (*onto.parts, candidate))
     ended = fit_records(setup.simulator, near.model, parameters, near.windows, iterations=12, again=again)
     # What a fit of the same records from here gains without the effect is not its own.
-    absent = candidate.absent(onto.swing.model.declared)
-    alone = fit_records(setup.simulator, ended.model.changed(absent), onto.every, ended.windows, iterations=8)
+    others = {name: values for name, values in ended.model.effects.items() if name != candidate.effect}
+    model = replace(ended.model, effects=others)
+    alone = fit_records(setup.simulator, model, onto.every, ended.windows, iterations=8)
     rest = min(alone, without, key=lambda f: f.chi2)
-    if rest.chi2 - ended.chi2 < PAYS * max(1.0, ended.chi2 / ended.samples) or not _explains(ended, rest):
+    if rest.chi2 - ended.chi2 < PAYS * max(1.0, ended.chi2 / ended.samples):
+        return None
+    if not _explains(ended, rest) or _at_the_cost_of_others(ended, rest):
         return None
     return _as_rival(setup, onto, whole, candidate, ended, parameters)
 
@@ -148,7 +161,7 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round) -> tuple[Rival, 
     """Of the effects that swings only hint at, those that whole records confirm, the best first.
 
     An effect may be too small for a swing and yet turn the end of a record.  Records are compared while they are
-    predictable, and one that is lost altogether counts less (Huber).
+    predictable, and one that is lost altogether counts less.
     """
     windows = predictable(whole.windows)
     if whole.rms < MISSED or not windows:

@@ -10,6 +10,7 @@ from scipy.linalg import eig
 
 from rocking import Block, Method1, Mode, solve
 from rocking.effects import compose, parse
+from rocking.soft_floor import bed
 
 G = 9.80665
 SMALL = Block(b=0.15, h=0.50, d=0.25)  # Block 3 of Winkler, Meguro & Yamazaki (1995), Table 1
@@ -46,6 +47,30 @@ def test_a_block_off_its_middle_leans_until_the_moments_are_even(spread: float) 
     # g (o + H tan) = 2 k a^2 (1 - 2 w / 3) sin / m, by the moments of a line of springs about the middle.
     stiff = 2.0 * k * 0.075**2 * (1.0 - 2.0 * spread / 3.0) / SMALL.mass
     assert stiff * math.sin(theta) == pytest.approx(G * (0.004 + 0.25 * math.tan(theta)), rel=1e-10)
+
+
+# A weight outside of the middle third of a bed lifts the other side off: pressures grow from nothing to the corner.
+@pytest.mark.parametrize("offset", [0.03, -0.03, 0.05, -0.05])
+@pytest.mark.parametrize("spread", [0.5, 1.0])
+def test_a_block_far_off_its_middle_stands_still_on_a_part_of_the_bed(offset: float, spread: float) -> None:
+    k = 1e6
+    given = effects(k, 0.1, spread, f"eccentric_mass.offset={offset!r}")
+    run = solve(Method1(SMALL), effects=given, t_end=0.5, rtol=1e-11, atol=1e-16)
+    assert np.max(np.ptp(run.y, axis=0)) < 1e-9
+    theta = run.y[0, 2]
+    assert math.copysign(1.0, theta) == math.copysign(1.0, offset)
+    assert run.mode[0] == (Mode.REST if SMALL.b * math.sin(abs(theta)) < SMALL.mass * G / k else Mode.ROTATION)
+    if spread == 1.0 and run.mode[0] == Mode.ROTATION:
+        # A triangle of pressures: its resultant, a third of its length from the corner, is under the centre of mass.
+        length = 3.0 * (0.075 - (abs(offset) + 0.25 * math.tan(abs(theta))))
+        assert 2.0 * k / 0.15 * 0.5 * length**2 * math.sin(abs(theta)) == pytest.approx(SMALL.mass * G, rel=1e-9)
+
+
+def test_a_bed_that_is_not_touched_carries_nothing() -> None:
+    system = compose(Method1(SMALL), effects(1e6, 0.1, 1.0))
+    for theta in (0.0, 1e-160, -1e-160, 1e-8, -0.2):
+        height = 0.075 * math.sin(abs(theta)) + 0.25 * math.cos(theta) + 1e-4
+        assert bed(np, (0.0, height, theta, 0.0, 0.0, 0.0), system.parameters) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("theta", [2e-5, -2e-5, 1e-3, -1e-3, 0.1])

@@ -56,6 +56,8 @@ def test_a_scan_counts_what_the_effect_gains_and_not_what_a_refit_does(without, 
     def fit(_, model, parameters, windows, **__):
         # Of 100 samples: before any refit 1e4, then what the case says.
         there = model.effects.get("base_adhesion", {}).get("moment", 0.0) > 0.0
+        # The rival lacks the effect altogether: with friction without limit it would still refuse some restitutions.
+        assert there or "base_adhesion" not in model.effects
         chi2 = 90.0 if there else (without if "refitted" in model.mountings else 1e4)
         if there and parameters:
             model = replace(model, mountings={"refitted": 0.0})
