@@ -19,7 +19,7 @@ from studies.loop.model import RESTITUTION
 from studies.loop.preparing import Setup
 from studies.loop.rivals import Rival
 from studies.loop.scoring import errors
-from studies.loop.settling import FEW, neighbours, predictable, whole_fit
+from studies.loop.settling import FEW, gain, neighbours, predictable, whole_fit
 from studies.loop.tracing import PAYS, Round, Trial, bic
 
 LEAST_OF_A_SCAN = 0.15
@@ -39,6 +39,9 @@ STARTS = 7
 
 SPOILT = 1.5
 """A record is spoilt by an effect that makes its rms so many times larger."""
+
+LEAST_RECORDS = 2
+"""So many records a scanned effect has to explain: in one alone, one of many values may hit by chance."""
 
 TELLING = 3
 """Records on which the starts are compared."""
@@ -106,9 +109,11 @@ def _confirmed(
     rest = min(alone, without, key=lambda f: f.chi2)
     if rest.chi2 - ended.chi2 < PAYS * max(1.0, ended.chi2 / ended.samples):
         return None
-    if not _explains(ended, rest) or _at_the_cost_of_others(ended, rest):
+    helped = (rest.by_window > MISSED) & (rest.by_window > SPOILT * ended.by_window)
+    if np.count_nonzero(helped) < LEAST_RECORDS or not _explains(ended, rest) or _at_the_cost_of_others(ended, rest):
         return None
-    return _as_rival(setup, onto, whole, candidate, ended, parameters)
+    rival = _as_rival(setup, onto, whole, candidate, ended, parameters)
+    return rival if gain(setup, whole, rival.whole) > LEAST_OF_A_SCAN else None
 
 
 def _scanned(setup: Setup, without: Fit, candidate: Candidate) -> Fit | None:

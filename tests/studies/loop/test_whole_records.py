@@ -63,16 +63,17 @@ def test_a_scan_counts_what_the_effect_gains_and_not_what_a_refit_does(without, 
             model = replace(model, mountings={"refitted": 0.0})
         residual = np.full(100, math.sqrt(chi2 / 100.0))
         return SimpleNamespace(
-            chi2=chi2, model=model, windows=windows, samples=100, rms=1.0, residuals=(residual,),
-            by_window=np.array([math.sqrt(chi2 / 100.0)]),
+            chi2=chi2, model=model, windows=windows, samples=100, rms=1.0, residuals=(residual, residual),
+            by_window=np.array([math.sqrt(chi2 / 100.0)] * 2), whole=SimpleNamespace(),
         )  # fmt: skip
 
     for name in ("fit", "fit_records"):
         monkeypatch.setattr(whole_records, name, fit)
     monkeypatch.setattr(whole_records, "predictable", lambda given: given)
-    monkeypatch.setattr(whole_records, "_as_rival", lambda *given: given)
+    monkeypatch.setattr(whole_records, "_as_rival", lambda *_: SimpleNamespace(whole=None))
+    monkeypatch.setattr(whole_records, "gain", lambda *_: 0.5)
     onto = Trial((), (), SimpleNamespace(model=LoopModel(block, 0.9), windows=()))
-    whole = SimpleNamespace(model=onto.swing.model, windows=(SimpleNamespace(theta_sd=0.0),))
+    whole = SimpleNamespace(model=onto.swing.model, windows=(SimpleNamespace(theta_sd=0.0),) * 2)
     found = scan(SimpleNamespace(simulator=None), onto, whole, [adhesion])
     assert (found is not None) == named
 
