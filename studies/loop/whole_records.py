@@ -207,5 +207,6 @@ def _explains(own: Fit, without: Fit) -> bool:
 
 
 def _at_the_cost_of_others(own: Fit, without: Fit) -> bool:
-    """Whether an effect that helps some records spoils others: what really acts does not."""
-    return bool(np.any((own.by_window > MISSED) & (own.by_window > SPOILT * without.by_window)))
+    """Whether an effect that helps some records spoils others that were explained: what really acts does not."""
+    explained = without.by_window < MISSED
+    return bool(np.any(explained & (own.by_window > MISSED) & (own.by_window > SPOILT * without.by_window)))
