@@ -46,7 +46,7 @@ DRAWN_IN = 10.0
 POLISH = 4
 """Iterations by the logarithm after these."""
 
-MISSED = 1.2
+DISAGREEING = 1.2
 """Mean square over the variances from which records are missed by more than their noise."""
 
 
@@ -552,7 +552,7 @@ def robust_covariance(simulator: Simulator, noisy: Simulator, found: Fit) -> Arr
             g = weight * (own.T @ moved)
             meat += np.outer(g, g) / draws
     records, beside = sorted({w.record for w in windows}), found.spread
-    if found.spread > MISSED and len(records) > len(found.parameters):
+    if found.spread > DISAGREEING and len(records) > len(found.parameters):
         beside = 1.0
         for record in records:
             of_it = [(p, k) for p, w, k in zip(each, windows, weights, strict=True) if w.record == record]

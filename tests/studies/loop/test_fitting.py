@@ -13,7 +13,7 @@ from excitation import RampedSinusoid
 from rocking import Block, Method1, solve
 from rocking.effects import load
 from studies.campaigns import Channel, DeclaredBlock, Test
-from studies.loop.fitting import MISSED, Parameter, fit, gains, linearised, robust_covariance
+from studies.loop.fitting import DISAGREEING, Parameter, fit, gains, linearised, robust_covariance
 from studies.loop.model import LoopModel
 from studies.loop.simulation import Job, Simulator
 from studies.loop.spread import redrawn
@@ -152,7 +152,7 @@ def test_records_that_disagree_widen_the_covariance(simulator: Simulator, tests:
     right, lacking = fit(simulator, model(TRUE_C), [E], windows), fit(simulator, model(0.0), [E], windows)
     noisy = redrawn(tests, np.array([0.0, 0.0, 0.0, 0.004]))
     narrow, wide = (math.sqrt(robust_covariance(simulator, noisy, f)[0, 0]) for f in (right, lacking))
-    assert right.spread < MISSED < lacking.spread
+    assert right.spread < DISAGREEING < lacking.spread
     assert wide > 3.0 * narrow
     by_record = [
         fit(simulator, model(0.0), [E], [w for w in windows if w.record == k]).values["restitution"] for k in range(4)
