@@ -40,6 +40,7 @@ from studies.laboratory.parameters import G
 from studies.laboratory.truth import Truth, read_truth
 from studies.running.command_line import said_of
 from studies.running.files import BadInputError, save_text, writable_folder, write_whole
+from studies.running.interrupts import first_done, noted
 from studies.running.lock import alone
 
 OUT = Path("build/studies/loop_trials")
@@ -297,11 +298,18 @@ def _run_trials(options: argparse.Namespace) -> int:
         for k in range(options.seeds)
     ]  # fmt: skip
     command = shlex.split(options.command)
-    with ThreadPoolExecutor(options.jobs) as pool:
+    with noted() as interrupt, ThreadPoolExecutor(options.jobs) as pool:
         tasks = [pool.submit(closed, case, (options.out / case.name).resolve(), command) for case in cases]
         try:
-            with tqdm(tasks, desc="campaigns", unit="campaign") as bar:  # closed before anything else is said
-                rows = [task.result() for task in bar]
+            # The bar is closed before anything else is said.
+            with tqdm(total=len(tasks), desc="campaigns", unit="campaign") as bar:
+                under_way = set(tasks)
+                while under_way:
+                    for task in first_done(under_way, interrupt):
+                        task.result()  # raises what it raised
+                        under_way.remove(task)
+                        bar.update()
+            rows = [task.result() for task in tasks]
         except BaseException:
             _stopped.set()
             pool.shutdown(wait=True, cancel_futures=True)

@@ -26,6 +26,8 @@ from typing import Any
 import netCDF4
 import xarray as xr
 
+from studies.running.interrupts import noted
+
 MOST_BYTES = 2 * 1024**3
 """Of a dataset in memory: a file of a few kilobytes can declare any number of values."""
 
@@ -110,7 +112,7 @@ def temporary_beside(path: Path) -> Path:
 def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     """Let `write` fill a temporary file beside `path`, bring it to the disk, then rename it to `path`.
 
-    A link is followed; what is no plain file (a device, a pipe) is written to as it is.
+    A link is followed; what is no plain file (a device, a pipe) is written to as it is.  Ctrl-C is heard afterwards.
 
     Raises:
         OSError: it cannot be written, which leaves `path` as it was.
@@ -120,27 +122,33 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
         write(target)
         return
     temporary = temporary_beside(target)
-    try:
+    with noted():
         try:
-            write(temporary)
-            with temporary.open("rb") as file:
-                os.fsync(file.fileno())
-            os.replace(temporary, target)
-        except OSError as error:
-            # The NetCDF library calls every failure to begin a file a lack of permission.
-            number = errno.ENOSPC if error.errno == errno.EACCES and _full(target.parent) else error.errno or errno.EIO
-            reason = os.strerror(number) if number == errno.ENOSPC else error.strerror or str(error)
-            raise OSError(number, reason, str(path)) from error
-        except RuntimeError as error:
-            if not str(error).startswith("NetCDF:"):
-                raise
-            # Nor does it pass on why a write failed.
-            full = _full(target.parent)
-            reason = os.strerror(errno.ENOSPC) if full else f"{error}; is the disk full?"
-            raise OSError(errno.ENOSPC if full else errno.EIO, reason, str(path)) from error
-    finally:
-        with suppress(OSError):
-            temporary.unlink(missing_ok=True)
+            _write_beside(path, target, temporary, write)
+        finally:
+            with suppress(OSError):
+                temporary.unlink(missing_ok=True)
+
+
+def _write_beside(path: Path, target: Path, temporary: Path, write: Callable[[Path], object]) -> None:
+    """Fill the temporary file, bring it to the disk and rename it; OSError names the path that was asked for."""
+    try:
+        write(temporary)
+        with temporary.open("rb") as file:
+            os.fsync(file.fileno())
+        os.replace(temporary, target)
+    except OSError as error:
+        # The NetCDF library calls every failure to begin a file a lack of permission.
+        number = errno.ENOSPC if error.errno == errno.EACCES and _full(target.parent) else error.errno or errno.EIO
+        reason = os.strerror(number) if number == errno.ENOSPC else error.strerror or str(error)
+        raise OSError(number, reason, str(path)) from error
+    except RuntimeError as error:
+        if not str(error).startswith("NetCDF:"):
+            raise
+        # Nor does it pass on why a write failed.
+        full = _full(target.parent)
+        reason = os.strerror(errno.ENOSPC) if full else f"{error}; is the disk full?"
+        raise OSError(errno.ENOSPC if full else errno.EIO, reason, str(path)) from error
 
 
 def _full(folder: Path) -> bool:
@@ -221,10 +229,11 @@ def load_dataset(path: Path, most: int = MOST_BYTES) -> xr.Dataset:
             raise ValueError("it is not what was written, by its checksum")
         if seal is None and not _can_be_opened(path):  # it has no checksum: it is a stranger's
             raise ValueError("the NetCDF library does not get through it")
-        size = _declared_size(path)  # beforehand: xarray makes room for texts when it opens a file
-        if size <= most:
-            with xr.open_dataset(path, engine="netcdf4") as opened:
-                return opened.load()
+        with noted():
+            size = _declared_size(path)  # beforehand: xarray makes room for texts when it opens a file
+            if size <= most:
+                with xr.open_dataset(path, engine="netcdf4") as opened:
+                    return opened.load()
     except Exception as error:  # whatever the libraries meet in a stranger's file means that it is none
         reason = (getattr(error, "strerror", None) or str(error) or type(error).__name__).splitlines()[0][:120]
         raise DatasetError(f"{path}: want a NetCDF dataset, whole ({type(error).__name__}: {reason})") from None

@@ -17,7 +17,7 @@ import sys
 import zipfile
 import zlib
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -26,6 +26,7 @@ import numpy as np
 from tqdm import tqdm
 
 from studies.running.files import write_whole
+from studies.running.interrupts import first_done, noted
 
 Job = TypeVar("Job")
 Result = dict[str, Any]
@@ -133,28 +134,29 @@ class Parts:
         """
         paths = self._paths(jobs, work)
         found: list[Result | None] = [self._kept(path) for path in paths]
-        pool = ThreadPoolExecutor(self.workers)
-        try:
-            with tqdm(
-                total=len(jobs), initial=sum(r is not None for r in found), unit="run", desc=label, disable=None
-            ) as bar:
 
-                def kept(job: Job, path: Path | None) -> Result:
-                    # In the thread that computed it: after Ctrl-C, or when another run fails, it is kept as well.
-                    result = work(job)
-                    self._keep(path, result)
-                    return result
+        def kept(job: Job, path: Path | None) -> Result:
+            # In the thread that computed it: after Ctrl-C, or when another run fails, it is kept as well.
+            result = work(job)
+            self._keep(path, result)
+            return result
 
-                futures = {pool.submit(kept, job, paths[i]): i for i, job in enumerate(jobs) if found[i] is None}
-                for future in as_completed(futures):
-                    i = futures[future]
-                    result = future.result()
-                    # As it would be read again, so that a run that went on gives the same.
-                    found[i] = {name: _plain(np.asarray(value)) for name, value in result.items()}
-                    bar.update()
-        finally:
-            # On Ctrl-C, runs that have not begun are dropped; those under way are finished and kept.
-            pool.shutdown(wait=True, cancel_futures=True)
+        with noted() as interrupt:
+            pool = ThreadPoolExecutor(self.workers)
+            try:
+                with tqdm(
+                    total=len(jobs), initial=sum(r is not None for r in found), unit="run", desc=label, disable=None
+                ) as bar:
+                    under_way = {pool.submit(kept, job, paths[i]): i for i, job in enumerate(jobs) if found[i] is None}
+                    while under_way:
+                        for future in first_done(under_way, interrupt):
+                            result = future.result()
+                            # As it would be read again, so that a run that went on gives the same.
+                            found[under_way.pop(future)] = {k: _plain(np.asarray(v)) for k, v in result.items()}
+                            bar.update()
+            finally:
+                # On Ctrl-C, runs that have not begun are dropped; those under way are finished and kept.
+                pool.shutdown(wait=True, cancel_futures=True)
         return [result for result in found if result is not None]
 
     def clear_outdated(self) -> None:

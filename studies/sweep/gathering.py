@@ -19,6 +19,7 @@ import numpy as np
 import xarray as xr
 
 from studies.running.files import load_dataset, provenance, seal, write_whole
+from studies.running.interrupts import noted
 from studies.sweep.chunks import Box, Folder, boxes, coordinates, variable_attributes
 from studies.sweep.declared import Sweep
 from studies.sweep.evaluation import G
@@ -71,9 +72,10 @@ def gather(sweep: Sweep, folder: Folder, points: int, target: Path, attributes: 
     declined, stated = set[str](), sweep.as_json()
 
     def write(path: Path) -> None:
-        with netCDF4.Dataset(path, "w") as file:
+        with noted() as interrupt, netCDF4.Dataset(path, "w") as file:
             _skeleton(file, sweep)
             for number, box in enumerate(boxes(sweep.shape, points)):
+                interrupt.hear()
                 part, where = _chunk(stated, box, folder.file(number)), tuple(slice(*pair) for pair in box)
                 for name in variable_attributes():
                     file[name][where] = part[name].values

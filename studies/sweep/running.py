@@ -12,8 +12,9 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from collections.abc import Callable, Generator, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing, nullcontext
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ import xarray as xr
 from tqdm import tqdm
 
 from studies.running.files import clear_unfinished, sealed
+from studies.running.interrupts import Noted, first_done, noted
 from studies.running.lock import alone
 from studies.running.parts import sources_hash
 from studies.sweep.chunks import Box, Folder, as_dataset, boxes, count_boxes
@@ -36,10 +38,10 @@ AHEAD = 2
 """Chunks under way for each worker."""
 
 Task = tuple[int, Box]
-Results = Iterator[tuple[Task, Mapping[str, Any]]]
+Results = Generator[tuple[Task, Mapping[str, Any]], None, None]
 
 
-def _on_cores(declared: Mapping[str, Any], tasks: Iterator[Task], workers: int) -> Results:
+def _on_cores(declared: Mapping[str, Any], tasks: Iterator[Task], workers: int, interrupt: Noted) -> Results:
     """Results in the order in which they are done; compiled code runs side by side in threads.
 
     After Ctrl-C, or when one fails, those under way are finished and given before it goes on.
@@ -50,12 +52,10 @@ def _on_cores(declared: Mapping[str, Any], tasks: Iterator[Task], workers: int) 
         for task in tasks:
             under_way[pool.submit(evaluate, declared, task[1])] = task
             if len(under_way) >= AHEAD * workers:
-                done, _ = wait(under_way, return_when=FIRST_COMPLETED)
-                for future in done:
+                for future in first_done(under_way, interrupt):
                     yield under_way.pop(future), future.result()
         while under_way:
-            done, _ = wait(under_way, return_when=FIRST_COMPLETED)
-            for future in done:
+            for future in first_done(under_way, interrupt):
                 yield under_way.pop(future), future.result()
     except (KeyboardInterrupt, Exception):
         pool.shutdown(wait=True, cancel_futures=True)
@@ -163,12 +163,15 @@ def _compute(
     missing = ((i, box) for i, box in enumerate(boxes(sweep.shape, chunk_points)) if not folder.done(i))
     total = count_boxes(sweep.shape, chunk_points)
     there = sum(folder.done(i) for i in range(total))
-    results = (
-        _on_cores(declared, missing, workers or os.cpu_count() or 1)
-        if scheduler is None
-        else _on_cluster(declared, missing, scheduler)
-    )
-    with tqdm(total=total, initial=there, unit="chunk", disable=None if progress else True) as bar:
+    with (
+        noted() if scheduler is None else nullcontext(Noted()) as interrupt,
+        closing(
+            _on_cores(declared, missing, workers or os.cpu_count() or 1, interrupt)
+            if scheduler is None
+            else _on_cluster(declared, missing, scheduler)
+        ) as results,
+        tqdm(total=total, initial=there, unit="chunk", disable=None if progress else True) as bar,
+    ):
         for (number, box), result in results:
             folder.keep(number, as_dataset(sweep, box, result))
             bar.update()
@@ -179,7 +182,7 @@ def _compute(
 def _stated(target: Path) -> Mapping[str, Any]:
     """The attributes of a dataset; none of what is no dataset."""
     try:
-        with xr.open_dataset(target, engine="netcdf4") as ds:
+        with noted(), xr.open_dataset(target, engine="netcdf4") as ds:
             return dict(ds.attrs)
     except Exception:  # whatever the libraries meet in a stranger's file means that it is none
         return {}

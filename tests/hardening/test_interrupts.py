@@ -1,0 +1,156 @@
+"""Ctrl-C is put off while a file is written or threads are waited for (studies.running.interrupts)."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import tomllib
+
+import files
+import pytest
+
+from studies.running.files import write_whole
+from studies.running.interrupts import noted
+from studies.running.parts import Parts
+from studies.sweep.declared import from_mapping
+from studies.sweep.running import run
+
+HELD_LOCK = """
+import pathlib, signal, sys
+import xarray as xr
+from xarray.backends.locks import SerializableLock
+from studies.running.files import load_dataset, save_dataset
+
+def acquire(lock, *arguments, **more):
+    global taken
+    done = lock.lock.acquire(*arguments, **more)
+    taken += 1
+    if taken == which:
+        signal.raise_signal(signal.SIGINT)  # the lock is taken, and the `with` that gives it back not yet begun
+    return done
+SerializableLock.acquire = SerializableLock.__enter__ = acquire
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+path = pathlib.Path(sys.argv[1])
+for use in (lambda: save_dataset(xr.Dataset({"a": ("x", [1.0, 2.0])}), path), lambda: load_dataset(path)):
+    which = taken = heard = 0
+    while taken >= which:  # as often as the lock is taken
+        which, taken = which + 1, 0
+        try:
+            use()
+        except KeyboardInterrupt:
+            heard += 1
+    print(heard > 0, heard == which - 1)
+which = 0
+print(load_dataset(path).a.values)
+"""
+
+
+@pytest.fixture(autouse=True)
+def as_in_a_terminal():
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    assert signal.signal(signal.SIGINT, before) is signal.default_int_handler
+
+
+def test_an_interrupt_between_a_lock_and_its_with_block_leaves_no_lock(tmp_path):
+    """Where a sweep once hung: the closing of its file waited for xarray's lock, which nobody would give back."""
+    done = subprocess.run(
+        [sys.executable, "-c", HELD_LOCK, tmp_path / "a.nc"], capture_output=True, text=True, timeout=120
+    )
+    assert (done.returncode, done.stdout) == (0, "True True\nTrue True\n[1. 2.]\n"), done.stderr
+
+
+def test_a_file_is_whole_when_the_interrupt_is_heard(tmp_path):
+    path = tmp_path / "a.txt"
+
+    def write(target):
+        with target.open("w") as file:
+            file.write("first ")
+            signal.raise_signal(signal.SIGINT)
+            file.write("second")
+
+    with pytest.raises(KeyboardInterrupt):
+        write_whole(path, write)
+    assert path.read_text() == "first second" and list(tmp_path.iterdir()) == [path]
+
+
+def test_a_second_interrupt_comes_through_at_once():
+    with pytest.raises(KeyboardInterrupt), noted():
+        signal.raise_signal(signal.SIGINT)
+        reached = True
+        signal.raise_signal(signal.SIGINT)
+        pytest.fail("the second was not heard")
+    assert reached
+
+
+def test_blocks_within_a_block_belong_to_the_outer_one():
+    order = []
+    with pytest.raises(KeyboardInterrupt), noted():
+        with noted():
+            signal.raise_signal(signal.SIGINT)
+        order.append("inner done")
+        with noted() as interrupt:
+            order.append("asked" if interrupt.asked else "")
+            interrupt.hear()
+            order.append("not reached")
+    assert order == ["inner done", "asked"]
+
+
+def test_another_error_is_not_hidden():
+    with pytest.raises(OSError, match="disk"), noted():
+        signal.raise_signal(signal.SIGINT)
+        raise OSError("disk")
+
+
+def test_ignored_interrupts_stay_ignored_and_threads_change_nothing():
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with noted() as interrupt:
+        signal.raise_signal(signal.SIGINT)
+        assert not interrupt.asked and signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    seen = []
+
+    def work():
+        with noted():
+            seen.append(signal.getsignal(signal.SIGINT))
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert seen == [signal.default_int_handler]
+
+
+def _slow(job):
+    if job == 0:
+        os.kill(os.getpid(), signal.SIGINT)
+    time.sleep(0.05)
+    return {"job": job}
+
+
+def test_runs_under_way_are_kept_and_the_others_not_begun(tmp_path):
+    parts = Parts(tmp_path, workers=2)
+    with pytest.raises(KeyboardInterrupt):
+        parts.results(list(range(100)), _slow, "runs")
+    kept = len(list(tmp_path.rglob("*.npz")))
+    assert 2 <= kept < 20
+    assert threading.active_count() == 1 or not any("ThreadPool" in t.name for t in threading.enumerate())
+
+
+def test_a_sweep_of_a_program_is_interrupted_between_chunks(tmp_path):
+    """Chunks that are done when Ctrl-C comes are kept, also while one is being written."""
+    text = files.SWEEP.replace("[1.0, 2.0]", str([1.0 + 0.01 * k for k in range(50)]))
+    sweep = from_mapping(tomllib.loads(text))
+    seen = []
+
+    def watch(number):
+        seen.append(number)
+        if len(seen) == 3:
+            signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        run(sweep, tmp_path / "s.nc", workers=2, chunk_points=1, progress=False, watch=watch)
+    kept = sorted(int(p.stem.split("-")[1]) for p in (tmp_path / "s.nc.parts").glob("chunk-*.nc"))
+    assert kept == sorted(seen) and 3 <= len(kept) < 12
