@@ -80,7 +80,6 @@ class Fit:
     chi2: float  # sum of squares over the variances, less for windows far off, prior included
     rms: float  # root mean square over the standard deviations, plain
     samples: int
-    covariance: Array  # of the parameters in their outer scale
     converged: bool
     residuals: tuple[Array, ...]  # weighted, by window
     whole: bool = False  # whether the windows are whole records
@@ -109,7 +108,15 @@ class Fit:
 
 def residuals(simulator: Simulator, model: LoopModel, windows: Sequence[Window]) -> list[Array]:
     """Weighted residuals of every window; what cannot be compared (`observe`) counts as the noise does, 1."""
-    read = observe(simulator, [model], jobs_of(windows, 0), windows)
+    return _compared_all(_read(simulator, model, windows), windows)
+
+
+def _read(simulator: Simulator, model: LoopModel, windows: Sequence[Window]) -> list[Array]:
+    """What the channels of every window read."""
+    return observe(simulator, [model], jobs_of(windows, 0), windows)
+
+
+def _compared_all(read: Sequence[Array], windows: Sequence[Window]) -> list[Array]:
     return [_compared(w, x) for x, w in zip(read, windows, strict=True)]
 
 
@@ -134,10 +141,12 @@ def linearised(
     windows: Sequence[Window],
     *,
     central: bool = True,
+    read: Sequence[Array] | None = None,
 ) -> Linear:
     """Residuals of all windows and their derivatives by differences: central ones, or one-sided at a bound.
 
     central: False for one-sided differences everywhere, which cost half and serve a step of a fit.
+    read: what the channels read there, if that is known.
     """
     weights, n = [w.weights for w in windows], len(windows)
     models, ends = [model], []
@@ -151,14 +160,15 @@ def linearised(
             place.append(0 if value == model.get(p.name) else len(models))
             models += [model.changed({p.name: value})] if place[-1] else []
         ends.append((place[0], place[1], p.inner(up) - p.inner(down)))
-    jobs = [job for k in range(len(models)) for job in jobs_of(windows, k)]
+    known = [] if read is None else [*read]
+    jobs = [job for k in range(0 if read is None else 1, len(models)) for job in jobs_of(windows, k)]
     shifts = [(THETA_STEP, 0.0), (0.0, OMEGA_STEP)]
     shifts += [(-theta, -omega) for theta, omega in shifts] if central else []
     for theta, omega in shifts:
         jobs += jobs_of(windows, 0, theta, omega)
     count = len(models) + len(shifts)
-    read = observe(simulator, models, jobs, [*windows] * count)
-    r = [[(w.data - read[k * n + i]) * weights[i] for i, w in enumerate(windows)] for k in range(count)]
+    every = known + observe(simulator, models, jobs, [*windows] * (count - (read is not None)))
+    r = [[(w.data - every[k * n + i]) * weights[i] for i, w in enumerate(windows)] for k in range(count)]
     for i in (i for i, w in enumerate(windows) if w.sides is not None):
         # What one of the runs cannot compare, none does: a derivative would mistake it for a jump.
         apart = np.any([np.isnan(r[k][i]) for k in range(count)], axis=0)
@@ -278,7 +288,6 @@ def fit(
     iterations: int = 15,
     tolerance: float = 1e-3,
     start_damping: float = 1e-3,
-    give_up: float = math.inf,
     central: bool = False,
 ) -> Fit:
     """Fit the parameters and the states at the starts of the windows.
@@ -292,7 +301,6 @@ def fit(
         whole: whether windows are whole records, which count by the logarithm beyond that.
         iterations: the most that are done.
         tolerance: a relative fall of the sum of squares below which the fit has converged.
-        give_up: after three iterations, stop if the sum of squares is above this.
         central: whether slopes are central differences; whole records bend too much for one-sided ones.
 
     Returns:
@@ -300,7 +308,7 @@ def fit(
     """
     if huber is None:
         huber = ROBUST if whole else HUBER
-    how = _How(huber, whole, iterations, tolerance, start_damping, give_up, central)
+    how = _How(huber, whole, iterations, tolerance, start_damping, central)
     if simulator.keeper is None:
         return _fit(simulator, model, parameters, windows, how)
     key = digest_of("fit", simulator.digest, model, tuple(parameters), tuple(windows), how)
@@ -340,7 +348,6 @@ class _How:
     iterations: int
     tolerance: float
     start_damping: float
-    give_up: float
     central: bool
 
 
@@ -350,7 +357,6 @@ def _results(found: Fit) -> dict[str, Array]:
         "values": np.array([found.model.get(p.name) for p in found.parameters]),
         "states": np.array([(w.theta, w.omega) for w in found.windows]).reshape(len(found.windows), 2),
         "numbers": np.array([found.chi2, found.rms, found.samples, found.converged]),
-        "covariance": found.covariance,
         "sizes": np.array([r.size for r in found.residuals], dtype=np.int64),
         "residuals": np.concatenate([np.zeros(0), *found.residuals]),
     }
@@ -366,7 +372,7 @@ def _restored(
     each = np.split(kept["residuals"], np.cumsum(kept["sizes"])[:-1]) if windows else []
     return Fit(
         model.changed(values), tuple(parameters), tuple(moved), float(chi2), float(rms), int(samples),
-        kept["covariance"], bool(converged), tuple(each), whole,
+        bool(converged), tuple(each), whole,
     )  # fmt: skip
 
 
@@ -375,13 +381,11 @@ def _fit(
 ) -> Fit:
     windows = list(windows)
     damping, converged = how.start_damping, False
-    objective, lin = math.inf, None
-    for iteration in range(how.iterations):
-        lin = linearised(simulator, model, parameters, windows, central=how.central)
+    read = _read(simulator, model, windows)
+    for _ in range(how.iterations):
+        lin = linearised(simulator, model, parameters, windows, central=how.central, read=read)
         each = objectives(lin.residuals, windows, how.huber, how.whole)
         objective = float(each.sum())
-        if iteration >= 3 and objective > how.give_up:
-            break
         weights = _weights(lin.residuals, how.huber, how.whole)
         matrix, gradient, back = _reduced(lin, windows, weights)
         accepted = False
@@ -393,11 +397,11 @@ def _fit(
             ])  # fmt: skip
             try:
                 trial = model.changed(values)
-                trial_windows, found = _better(simulator, trial, windows, _stepped(windows, back, actual), each, how)
+                better = _better(simulator, trial, windows, _stepped(windows, back, actual), each, how)
             except ValueError:
                 damping = max(damping, 1e-6) * 10.0
                 continue
-            if found < objective:
+            if better.objective < objective:
                 accepted = True
                 break
             damping = max(damping, 1e-6) * 10.0
@@ -406,25 +410,41 @@ def _fit(
         if not accepted:
             converged = True
             break
-        fall = (objective - found) / max(found, 1e-30)
-        model, windows, objective = trial, trial_windows, found
+        fall = (objective - better.objective) / max(better.objective, 1e-30)
+        model, windows, read = trial, better.windows, better.read
         damping = max(damping * 0.2, 1e-9)
         if fall < how.tolerance:
             converged = True
             break
-    return _result(simulator, model, parameters, windows, how, converged)
+    left = _compared_all(read, windows)
+    joined = np.concatenate(left) if left else np.zeros(0)
+    return Fit(
+        model, tuple(parameters), tuple(windows), float(objectives(left, windows, how.huber, how.whole).sum()),
+        math.sqrt(float(np.mean(joined**2))) if joined.size else math.nan, joined.size, converged, tuple(left),
+        how.whole,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Better:
+    """Windows with states that are no worse than they were, what their channels read, and the sum of squares."""
+
+    windows: list[Window]
+    read: list[Array]
+    objective: float
 
 
 def _better(
     simulator: Simulator, model: LoopModel, windows: Sequence[Window], stepped: Sequence[Window], before: Array,
     how: _How,
-) -> tuple[list[Window], float]:  # fmt: skip
-    """Of each window the stepped state, or a shorter step or none where that is better, and the sum of squares.
+) -> _Better:  # fmt: skip
+    """Of each window the stepped state, or a shorter step or none where that is better.
 
     A window whose linearisation says nothing (an impact on the wrong side of a sample) would else stop all others.
     """
     chosen = list(stepped)
-    each = objectives(residuals(simulator, model, chosen), chosen, how.huber, how.whole)
+    read = _read(simulator, model, chosen)
+    each = objectives(_compared_all(read, chosen), chosen, how.huber, how.whole)
     for share in (0.25, 0.0):
         worse = np.flatnonzero(each > before)
         if not worse.size:
@@ -436,11 +456,12 @@ def _better(
             )
             for i in map(int, worse)
         ]  # fmt: skip
-        found = objectives(residuals(simulator, model, other), other, how.huber, how.whole)
-        for i, window, value in zip(worse, other, found, strict=True):
+        there = _read(simulator, model, other)
+        found = objectives(_compared_all(there, other), other, how.huber, how.whole)
+        for i, window, seen, value in zip(worse, other, there, found, strict=True):
             if value < each[i]:
-                chosen[i], each[i] = window, value
-    return chosen, float(each.sum())
+                chosen[i], read[i], each[i] = window, seen, value
+    return _Better(chosen, read, float(each.sum()))
 
 
 def _solve(matrix: Array, gradient: Array, damping: float) -> Array:
@@ -455,28 +476,21 @@ def _moved(model: LoopModel, parameters: Sequence[Parameter], step: Array) -> di
     return {p.name: p.outer(p.inner(model.get(p.name)) + d) for p, d in zip(parameters, step, strict=True)}
 
 
-def _result(
-    simulator: Simulator, model: LoopModel, parameters: Sequence[Parameter], windows: list[Window], how: _How,
-    converged: bool,
-) -> Fit:  # fmt: skip
-    lin = linearised(simulator, model, parameters, windows, central=False)
-    weights = _weights(lin.residuals, how.huber, how.whole)
-    matrix, _, _ = _reduced(lin, windows, weights)
-    joined = np.concatenate(lin.residuals) if lin.residuals else np.zeros(0)
-    # A fit that is worse than the noise has parameters that are less sure than the noise says.
-    counted = joined if not how.whole else np.concatenate([
-        math.sqrt(weight) * r for weight, r in zip(weights, lin.residuals, strict=True)
-    ])  # fmt: skip
-    spread = max(1.0, float(np.mean(counted**2))) if joined.size else 1.0
-    scale = np.array([_slope(p, model.get(p.name)) for p in parameters])
-    covariance: Array = np.zeros((0, 0))
-    if parameters:
-        covariance = np.asarray(spread * np.linalg.pinv(matrix) * np.outer(scale, scale), dtype=np.float64)
-    return Fit(
-        model, tuple(parameters), tuple(windows), float(objectives(lin.residuals, windows, how.huber, how.whole).sum()),
-        math.sqrt(float(np.mean(joined**2))) if joined.size else math.nan, joined.size, covariance, converged,
-        tuple(lin.residuals), how.whole,
-    )  # fmt: skip
+def sensor_covariance(simulator: Simulator, found: Fit) -> Array:
+    """Covariance of the fitted parameters by the sensors' noise alone, shape (parameter, parameter).
+
+    In the outer scale.  A fit that is worse than the noise has parameters that are less sure than the noise says.
+    """
+    lin = linearised(simulator, found.model, found.parameters, found.windows, central=False)
+    matrix, _, _ = _reduced(lin, found.windows, found.weights)
+    scale = _scales(found)
+    spread = found.spread if found.whole else max(1.0, found.rms**2)
+    return np.asarray(spread * np.linalg.pinv(matrix) * np.outer(scale, scale), dtype=np.float64)
+
+
+def _scales(found: Fit) -> Array:
+    """Derivatives of the outer by the inner numbers."""
+    return np.array([_slope(p, found.model.get(p.name)) for p in found.parameters])
 
 
 def _slope(p: Parameter, value: float) -> float:
@@ -559,5 +573,5 @@ def robust_covariance(simulator: Simulator, noisy: Simulator, found: Fit) -> Arr
             g = np.sum([k * (p.A.T @ p.r) for p, k in of_it], axis=0)
             meat += len(records) / (len(records) - len(found.parameters)) * np.outer(g, g)
     inverse = np.linalg.pinv(matrix)
-    scale = np.array([_slope(p, model.get(p.name)) for p in found.parameters])
+    scale = _scales(found)
     return np.asarray(beside * (inverse @ meat @ inverse) * np.outer(scale, scale), dtype=np.float64)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studies.loop.fitting import Fit, Parameter, fit, fit_records, robust_covariance
+from studies.loop.fitting import Fit, Parameter, fit, fit_records, robust_covariance, sensor_covariance
 from studies.loop.learning import LEARNED
 from studies.loop.model import LoopModel
 from studies.loop.preparing import Setup
@@ -86,8 +86,9 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
     minima = _while_predictable(setup, trial, whole) if setup.by_rotation else []
     fits = [f for f in (trial.swing, *minima[:1]) if f.parameters]
     covariances = [robust_covariance(setup.simulator, setup.noisy, f) for f in fits]
-    apart = _apart(minima, covariances[-1]) if len(minima) > 1 and trial.every else None
-    if apart is not None:
+    apart = None
+    if len(minima) > 1 and trial.every:
+        apart = _apart(minima, sensor_covariance(setup.simulator, minima[0]), covariances[-1])
         covariances[-1] = covariances[-1] + apart
     scale = np.array([p.scale * (f_value if p.log else 1.0) for p, f_value in _at(parameters, whole.model)])
     total, weighted = np.zeros((len(names), len(names))), np.zeros(len(names))
@@ -148,7 +149,10 @@ def _while_predictable(setup: Setup, trial: Trial, whole: Fit) -> list[Fit]:
         return []
     starts, ended = (FEW, 1) if trial.costly else (NEIGHBOURS, ENDED)
     named = [part for part in trial.parts if part.in_swings and part.effect != LEARNED]
-    about = [model for part in named for model in neighbours(trial.swing, part.parameters[0], starts)]
+    about: list[LoopModel] = []
+    if named:
+        sure = sensor_covariance(setup.simulator, trial.swing)
+        about = [model for part in named for model in neighbours(trial.swing, sure, part.parameters[0], starts)]
     for model in (whole.model, trial.swing.model, *about):
         leans = fit_records(setup.simulator, model, [], windows, iterations=4)
         fits.append(fit(setup.simulator, model, trial.every, leans.windows, whole=True, iterations=4, central=True))
@@ -160,12 +164,12 @@ def _while_predictable(setup: Setup, trial: Trial, whole: Fit) -> list[Fit]:
     return sorted([*best, *fits[ended:]], key=lambda f: f.chi2)
 
 
-def neighbours(found: Fit, p: Parameter, count: int) -> list[LoopModel]:
+def neighbours(found: Fit, covariance: Array, p: Parameter, count: int) -> list[LoopModel]:
     """Models up to two standard deviations from a fit in one of its parameters: whole records are rugged."""
     if p not in found.parameters:
         return []
     k = found.parameters.index(p)
-    value, sd = found.model.get(p.name), math.sqrt(max(float(found.covariance[k, k]), 0.0))
+    value, sd = found.model.get(p.name), math.sqrt(max(float(covariance[k, k]), 0.0))
     out: list[LoopModel] = []
     for share in np.linspace(-2.0, 2.0, count if sd > 0.0 else 0):
         moved = min(max(value + float(share) * sd, p.low), p.high)
@@ -178,7 +182,7 @@ def neighbours(found: Fit, p: Parameter, count: int) -> list[LoopModel]:
     return out
 
 
-def _apart(minima: Sequence[Fit], covariance: Array) -> Array:
+def _apart(minima: Sequence[Fit], by_sensor: Array, covariance: Array) -> Array:
     """What other minima add to the covariance of the best one: they may be the right one if they are nearly as deep.
 
     How deep counts as by the noise of the base, which moves many samples at once: a difference of chi-square is over
@@ -186,7 +190,7 @@ def _apart(minima: Sequence[Fit], covariance: Array) -> Array:
     """
     best = minima[0]
     sds = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-    together = max(1.0, float(np.max(sds**2 / np.maximum(np.diag(best.covariance), 1e-300))))
+    together = max(1.0, float(np.max(sds**2 / np.maximum(np.diag(by_sensor), 1e-300))))
     values = [np.array([f.model.get(p.name) for p in best.parameters]) for f in minima]
     kept = [0]
     for k in range(1, len(minima)):

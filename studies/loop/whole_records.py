@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from studies.loop.candidates import Candidate
-from studies.loop.fitting import ROBUST, Fit, Parameter, fit, fit_records, objectives
+from studies.loop.fitting import ROBUST, Fit, Parameter, fit, fit_records, objectives, sensor_covariance
 from studies.loop.model import RESTITUTION
 from studies.loop.preparing import Setup
 from studies.loop.rivals import Rival
@@ -177,9 +177,10 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round) -> tuple[Rival, 
     some = [windows[i] for i in telling]
     found = []
     for trial in hints(onto, tried):
+        sure = sensor_covariance(setup.simulator, trial.swing)
         begun = [
             fit(setup.simulator, model, trial.every, some, whole=True, iterations=4, central=True)
-            for model in neighbours(trial.swing, trial.parts[-1].parameters[0], FEW if trial.costly else STARTS)
+            for model in neighbours(trial.swing, sure, trial.parts[-1].parameters[0], FEW if trial.costly else STARTS)
         ]
         if not begun:
             continue

@@ -56,25 +56,26 @@ def test_estimates_that_disagree_widen_the_interval_by_their_birge_ratio() -> No
 def test_another_minimum_nearly_as_deep_widens_the_interval_to_reach_it() -> None:
     def minimum(value: float, chi2: float) -> Any:
         found = estimate({"a": value})
-        found.chi2, found.covariance = chi2, np.array([[1e-4]])
+        found.chi2 = chi2
         return found
 
-    best, covariance = minimum(1.0, 900.0), np.array([[4e-4]])
+    best, sensor, covariance = minimum(1.0, 900.0), np.array([[1e-4]]), np.array([[4e-4]])
     # As deep: the mean of the squares of 0 and 0.5. With all noise 4 times that of the sensor, 8 in chi-square are 2.
-    assert _apart([best, minimum(1.5, 900.0)], covariance)[0, 0] == pytest.approx(0.125)
+    assert _apart([best, minimum(1.5, 900.0)], sensor, covariance)[0, 0] == pytest.approx(0.125)
     share = np.exp(-1.0) / (1.0 + np.exp(-1.0))
-    assert _apart([best, minimum(1.5, 908.0)], covariance)[0, 0] == pytest.approx(0.25 * share)
+    assert _apart([best, minimum(1.5, 908.0)], sensor, covariance)[0, 0] == pytest.approx(0.25 * share)
     # The same one found again says nothing more; one that is far worse is none.
-    assert _apart([best, minimum(1.01, 900.0), minimum(1.5, 1900.0)], covariance)[0, 0] == pytest.approx(0.0, abs=1e-50)
+    assert _apart([best, minimum(1.01, 900.0), minimum(1.5, 1900.0)], sensor, covariance)[0, 0] == pytest.approx(
+        0.0, abs=1e-50
+    )
 
 
 def test_neighbours_reach_two_standard_deviations_within_the_bounds() -> None:
     block = DeclaredBlock(0.15, 0.5, 0.25, 11.25)
     drag = Parameter("quadratic_drag.coefficient", 0.05, 0.0, 20.0)
     found = SimpleNamespace(
-        parameters=(drag,), covariance=np.array([[0.04]]),
-        model=LoopModel(block, 0.9, {"quadratic_drag": {"coefficient": 0.3}}),
+        parameters=(drag,), model=LoopModel(block, 0.9, {"quadratic_drag": {"coefficient": 0.3}}),
     )  # fmt: skip
-    values = [model.get(drag.name) for model in neighbours(found, drag, 11)]
+    values = [model.get(drag.name) for model in neighbours(found, np.array([[0.04]]), drag, 11)]
     np.testing.assert_allclose(values, np.maximum(0.3 + 0.2 * np.linspace(-2.0, 2.0, 11), 0.0), atol=1e-12)
-    assert neighbours(found, Parameter("base_tilt.angle", 1e-3), 11) == []
+    assert neighbours(found, np.array([[0.04]]), Parameter("base_tilt.angle", 1e-3), 11) == []
