@@ -6,6 +6,7 @@ Methods are hybrid systems (`rocking.hybrid`), solvers are plugins (`rocking.sol
 loads neither SciPy nor numba nor JAX.
 """
 
+from rocking import _sources as _sources  # before what it watches
 from rocking.batch import BatchResult, solve_batch
 from rocking.block import G_STANDARD, WOOD_DENSITY, Block
 from rocking.hybrid import Mode

@@ -2,7 +2,7 @@
 
 With F and N of each corner that touches (compression d of its foot, slip e since it touched, both with their rates),
 
-    N = (1 - w) max(k d + c d', 0),  F = -(k e + c e') while d > 0,  c = 2 xi sqrt(k m)
+    N = (1 - w) max(k d + c d', 0),  F = -(k_t e + c_t e') while d > 0,  c = 2 xi sqrt(k m),  c_t = 2 xi sqrt(k_t m)
     m x'' = sum F - m A_x,  m z'' = sum N - m A_z,  I_c theta'' = sum (r_z F - r_x N) - I_c psi''
 
 about the centre of mass (x, z), the base in the axes of the floor and psi'' its pitch acceleration.  The share w of
@@ -23,6 +23,7 @@ Status   energy balance, the static sink, periods of small oscillation, the rigi
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -44,6 +45,8 @@ class Parameters(NamedTuple):
     g: float  # [m/s^2]
     k: float  # stiffness over mass [1/s^2]
     c: float  # dashpot over mass [1/s]
+    k_t: float  # the same along the floor [1/s^2]
+    c_t: float  # [1/s]
     spread: float  # w, share of both that is a bed [1]
     balance_right: float  # tilt of unstable balance to +x [rad]
     balance_left: float  # to -x [rad], positive
@@ -72,7 +75,7 @@ def foot(xp: Any, y: Any, side: float, par: Parameters) -> Foot:
 def forces(xp: Any, at: Foot, touched: Any, touches: Any, par: Parameters) -> tuple[Any, Any]:
     """(F, N) over mass [m/s^2] of a foot that first touched the floor at x = touched."""
     N = xp.where(touches, (1.0 - par.spread) * xp.maximum(-par.k * at.height - par.c * at.v, 0.0), 0.0)
-    F = xp.where(touches, -par.k * (at.x - touched) - par.c * at.u, 0.0)
+    F = xp.where(touches, -par.k_t * (at.x - touched) - par.c_t * at.u, 0.0)
     return F, N
 
 
@@ -163,10 +166,12 @@ class BlockOnSoftFloor:
     Args:
         rigid: the block on a rigid floor, with its form and hooks; its restitution is not used, for the loss of an
             impact follows from the dashpots.
-        corner_stiffness: k of a corner, normal and tangential [N/m], positive.
-        damping_ratio: xi = c / (2 sqrt(k m)) of a corner [1], 0 or more.
+        corner_stiffness: normal stiffness k of a corner [N/m], positive.
+        damping_ratio: xi = c / (2 sqrt(k m)) of a corner [1], 0 or more, normal and tangential.
         spread: share of the normal springs and dashpots that is spread under the base [1]: 0 for corners alone, 1 for
             a Winkler bed as stiff in all as the two corners.
+        tangential_ratio: k_t / k of a corner [1], positive: 1 as in the distinct elements of the paper; 10 or more
+            where friction holds the corners in place on a layer that gives downward alone.
 
     Raises:
         ValueError: a number is out of its range, the floor is so soft that the block cannot stand on it, or the block
@@ -177,6 +182,7 @@ class BlockOnSoftFloor:
     corner_stiffness: float
     damping_ratio: float
     spread: float = 0.0
+    tangential_ratio: float = 1.0
 
     name = "soft_floor"
     state_names = ("x", "z", "theta", "u", "v", "omega", "foot_right", "foot_left")
@@ -193,6 +199,7 @@ class BlockOnSoftFloor:
         positive("corner_stiffness", self.corner_stiffness, "N/m")
         within("damping_ratio", self.damping_ratio, 0.0, math.inf)
         within("spread", self.spread, 0.0, 1.0)
+        positive("tangential_ratio", self.tangential_ratio, "1")
         form = self.rigid.form
         striking = [effect.name for effect in self.effects if "restitution" in effect.ways()]
         foreign = ["rounded_edges"] * (form.edge_radius != 0.0) + ["base_adhesion"] * (form.adhesion != 0.0) + striking
@@ -231,23 +238,49 @@ class BlockOnSoftFloor:
         """The numbers that the equations take."""
         form = self.rigid.form
         per_mass = self.corner_stiffness / form.mass
+        dashpot, along = 2.0 * self.damping_ratio * math.sqrt(per_mass), float(self.tangential_ratio)
         return Parameters(
-            form.half_breadth, form.offset, form.mass_height, form.rho2, float(self.g), per_mass,
-            2.0 * self.damping_ratio * math.sqrt(per_mass), float(self.spread), form.theta_c(1.0), form.theta_c(-1.0),
+            form.half_breadth, form.offset, form.mass_height, form.rho2, float(self.g), per_mass, dashpot,
+            along * per_mass, math.sqrt(along) * dashpot, float(self.spread), form.theta_c(1.0), form.theta_c(-1.0),
             self.rigid.hooks,
         )  # fmt: skip
 
-    def initial_state(self, theta: float = 0.0, omega: float = 0.0) -> tuple[tuple[float, ...], Discrete]:
+    def initial_state(
+        self, theta: float = 0.0, omega: float = 0.0, beside: tuple[Sequence[float], Discrete] | None = None
+    ) -> tuple[tuple[float, ...], Discrete]:
         """In static balance of heights: in balance altogether when upright and still, else let go from the lean.
 
         The feet carry the whole weight between them: both as long as the lean leaves the other one under the floor.
+
+        Args:
+            theta, omega: rotation [rad] and angular velocity [rad/s].
+            beside: a state at about that rotation; the lower corner is as deep in the floor, and moves there, as in it.
         """
         par = self.parameters
+        if beside is not None:
+            return self._beside(par, theta, omega, *beside)
         if theta == 0.0 and omega == 0.0:
             tilt = self._standing(par)
             return self._placed(par, tilt, 0.0, math.copysign(1.0, tilt))
         leans = theta if theta != 0.0 else omega
         return self._placed(par, theta, omega, -1.0 if leans < 0.0 else 1.0)
+
+    @staticmethod
+    def _beside(
+        par: Parameters, theta: float, omega: float, y: Sequence[float], q: Discrete
+    ) -> tuple[tuple[float, ...], Discrete]:
+        """Another rotation and angular velocity about the lower corner of a state, which stays as it is."""
+        side = math.copysign(1.0, theta)
+        at = foot(math, tuple(y), side, par)
+        moved = foot(math, (0.0, 0.0, theta, 0.0, 0.0, omega), side, par)
+        state = (at.x - moved.x, at.height - moved.height, theta, at.u - moved.u, at.v - moved.v, omega)
+        right, left = foot(math, state, 1.0, par), foot(math, state, -1.0, par)
+        on_right, on_left = right.height < 0.0, left.height < 0.0
+        was_right, was_left = touching(q)
+        feet = (y[6] if on_right and was_right else right.x, y[7] if on_left and was_left else left.x)
+        mode = REST if on_right and on_left else ROTATION if on_right or on_left else ROTATION_JUMP
+        s = side if on_right == on_left else 1.0 if on_right else -1.0
+        return (*state, *feet), Discrete(mode, s, q.slip)
 
     @staticmethod
     def _standing(par: Parameters) -> float:

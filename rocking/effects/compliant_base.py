@@ -1,9 +1,10 @@
 """Compliant base: the floor gives under the corners.
 
 Adds        two freedoms, springs and dashpots under the corners or spread under the base (`rocking.soft_floor`)
-Parameters  corner_stiffness k [N/m], normal and tangential, infinite (rigid) where it is absent; damping_ratio
-            xi = c / (2 sqrt(k m)) [1] of a corner, which takes the place of restitution; spread [1], the share of the
-            normal springs and dashpots that is a Winkler bed as stiff in all as two corners, 0 where it is absent
+Parameters  corner_stiffness k [N/m], infinite (rigid) where it is absent; damping_ratio xi = c / (2 sqrt(k m)) [1] of
+            a corner, which takes the place of restitution; spread [1], the share of the normal springs and dashpots
+            that is a Winkler bed as stiff in all as two corners, 0 where it is absent; tangential_ratio [1], a
+            corner's stiffness along the floor over k, 1 where it is absent
 Use when    the block stands on rubber, soil or a soft table, or rattles audibly
 Limits      the corners do not slip, also where they stand on a bed; not together with rounded_edges
 Source      Psycharis & Jennings (1983), Earthquake Eng. Struct. Dyn. 11, 57-76
@@ -24,22 +25,29 @@ from rocking.soft_floor import BlockOnSoftFloor
 
 @dataclass(frozen=True)
 class CompliantBase(Effect):
-    """Stiffness of a corner [N/m], its damping ratio [1] and how much of both is spread under the base [1]."""
+    """Stiffness of a corner [N/m], its damping ratio, their share under the base, and stiffness along the floor [1]."""
 
     corner_stiffness: float = math.inf
     damping_ratio: float = 1.0
     spread: float = 0.0
+    tangential_ratio: float = 1.0
 
     name: ClassVar[str] = "compliant_base"
-    units: ClassVar[dict[str, str]] = {"corner_stiffness": "N/m", "damping_ratio": "1", "spread": "1"}
+    units: ClassVar[dict[str, str]] = {
+        "corner_stiffness": "N/m",
+        "damping_ratio": "1",
+        "spread": "1",
+        "tangential_ratio": "1",
+    }
     ranges: ClassVar[dict[str, tuple[float, float]]] = {
         "corner_stiffness": (0.0, math.inf),
         "damping_ratio": (0.0, 10.0),
         "spread": (0.0, 1.0),
+        "tangential_ratio": (0.0, math.inf),
     }
 
     def freedoms(self, system: ComposedMethod1) -> System:
         """The block on springs; the rigid one if they are infinitely stiff."""
         if self.corner_stiffness == math.inf:
             return system
-        return BlockOnSoftFloor(system, self.corner_stiffness, self.damping_ratio, self.spread)
+        return BlockOnSoftFloor(system, self.corner_stiffness, self.damping_ratio, self.spread, self.tangential_ratio)

@@ -16,7 +16,7 @@ from .parameters import INDEX, World
 
 MU, K, CD, NS = (INDEX[k] for k in ("friction", "stiffness", "damping", "springs"))
 CREEP = 5e-4  # m/s
-STEP = 2e-5  # s
+STEP = 1e-5  # s
 
 
 @njit

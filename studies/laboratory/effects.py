@@ -111,17 +111,21 @@ def vertical_motion(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     return replace(lab, table=table), {"second_harmonic_ratio": parts[0], "second_harmonic_quadrature": parts[1]}
 
 
+HOLDS = 2.0
+"""Friction of a floor that gives: more than any shaking asks for, so that nothing slips besides."""
+
+
 def compliant_base(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     """Two springs with dashpots."""
     stiffness, damping = _soft(lab, d, k)
-    soft = _world(lab, stiffness=stiffness, damping=damping, springs=2.0, friction=0.9)
+    soft = _world(lab, stiffness=stiffness, damping=damping, springs=2.0, friction=HOLDS)
     return replace(soft, engine="contact"), {"corner_stiffness": stiffness}
 
 
 def winkler_bed(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     """A bed, as stiff in all as two corners of this stiffness: the same effect by name."""
     stiffness, damping = _soft(lab, d, k)
-    bed = _world(lab, stiffness=2 * stiffness, damping=2 * damping, springs=25.0, friction=0.9)
+    bed = _world(lab, stiffness=2 * stiffness, damping=2 * damping, springs=25.0, friction=HOLDS)
     return replace(bed, engine="contact"), {"corner_stiffness": stiffness}
 
 
@@ -160,7 +164,7 @@ def bouncing(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     # The corner feels less than the whole block: 1/m_eff = 1/m + b^2/I.
     felt = 1.0 / (1.0 / w.mass + w.half_breadth**2 / w.inertia)
     stiffness = felt * (2 * np.pi * 250.0) ** 2
-    hard = _world(lab, stiffness=stiffness, damping=2 * ratio * np.sqrt(stiffness * felt), springs=2.0, friction=0.9)
+    hard = _world(lab, stiffness=stiffness, damping=2 * ratio * np.sqrt(stiffness * felt), springs=2.0, friction=HOLDS)
     return replace(hard, engine="contact"), {"normal_restitution": e_n}
 
 

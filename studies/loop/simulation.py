@@ -15,17 +15,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from excitation import SampledMotion
-from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, TRANSLATION_JUMP, Base
+from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, TRANSLATION_JUMP, Base, Discrete
 from rocking.motion import BaseMotion, base_at, pitch_kernel
+from rocking.soft_floor import BlockOnSoftFloor
 from rocking.solvers.numba.windows import Start, run_windows
 from studies.campaigns import Test
 from studies.campaigns.base_motion import base_motion
 from studies.loop.keeping import Keeper, digest_of
 from studies.loop.model import LoopModel
+from studies.loop.thinning import thinned
 
 Array = NDArray[np.float64]
 
 RTOL, ATOL = 1e-8, 1e-11
+
+HISTORY = 6
+"""Peaks before a window over which slip is carried: it is forgotten once the corner sticks."""
 
 LONGEST_STEP = 0.05
 """Of a run on a base at rest [s]; the error stays a hundred thousandth of the noise of a usual sensor."""
@@ -45,6 +50,11 @@ class PaddedMotion:
 
     def __repr__(self) -> str:
         return f"PaddedMotion({self.label!r})"
+
+
+def _padded(motions: Sequence[SampledMotion]) -> list[PaddedMotion]:
+    size = max((motion.parameters.size for motion in motions), default=0)
+    return [PaddedMotion(motion, size) for motion in motions]
 
 
 class Peak(NamedTuple):
@@ -88,29 +98,36 @@ class Simulator:
         tests: in the order of the indices that jobs use.
         numbers: of the tests, as they were done; their indices if not given.
         keeper: keeps what was found with it (`studies.loop.fitting.fit`); nothing is kept if not given.
+        factors: how many samples of each base record are one in runs (`studies.loop.thinning`); 1 if not given.
     """
 
     def __init__(
-        self, tests: Sequence[Test], numbers: Sequence[int] | None = None, keeper: Keeper | None = None
+        self,
+        tests: Sequence[Test],
+        numbers: Sequence[int] | None = None,
+        keeper: Keeper | None = None,
+        factors: Sequence[int] | None = None,
     ) -> None:
         self.tests, self.keeper = tuple(tests), keeper
         self.numbers = tuple(range(len(self.tests))) if numbers is None else tuple(numbers)
+        self.factors = (1,) * len(self.tests) if factors is None else tuple(factors)
         bases = [self._recorded(test) for test in self.tests]
-        size = max((base.parameters.size for base in bases), default=0)
-        self.bases = [PaddedMotion(base, size) for base in bases]
+        driving = [thinned(base, factor) for base, factor in zip(bases, self.factors, strict=True)]
+        self.bases, self.driving = _padded(bases), _padded(driving)
         self.spans = [(float(test.time[0]), float(test.time[-1])) for test in self.tests]
-        self._altered: dict[tuple[int, Any], BaseMotion] = {}
+        self._altered: dict[tuple[int, bool, Any], BaseMotion] = {}
         self._sampled: dict[tuple[int, int], tuple[BaseMotion, Base]] = {}
 
     @cached_property
     def digest(self) -> str:
         """A hash of the tests."""
-        return digest_of(self.tests, self.numbers)
+        return digest_of(self.tests, self.numbers, self.factors)
 
     @classmethod
     def joined(cls, first: Simulator, second: Simulator) -> Simulator:
         """Both sets of tests, those of the second after those of the first."""
-        return cls([*first.tests, *second.tests], [*first.numbers, *second.numbers])
+        numbers, factors = [*first.numbers, *second.numbers], [*first.factors, *second.factors]
+        return cls([*first.tests, *second.tests], numbers, factors=factors)
 
     @staticmethod
     def _recorded(test: Test) -> SampledMotion:
@@ -120,8 +137,11 @@ class Simulator:
         return SampledMotion(test.time_step, np.zeros(test.time.size), start=float(test.time[0]))
 
     def base(self, model: LoopModel, test: int) -> Base:
-        """Accelerations [m/s^2] and pitch [rad, rad/s^2] of the base at the samples of a test, as the model has it."""
-        motion = self._base(model, test)
+        """Accelerations [m/s^2] and pitch [rad, rad/s^2] of the base at the samples of a test, as the model has it.
+
+        Every sample of the record: this is what sensors on the block read besides its motion.
+        """
+        motion = self._base(model, test, self.bases)
         key = (test, id(motion))
         if key not in self._sampled or self._sampled[key][0] is not motion:
             if len(self._sampled) > 40 * len(self.tests):
@@ -131,16 +151,16 @@ class Simulator:
             self._sampled[key] = (motion, Base(*(value + np.zeros(time.size) for value in there)))
         return self._sampled[key][1]
 
-    def _base(self, model: LoopModel, test: int) -> BaseMotion:
+    def _base(self, model: LoopModel, test: int, bases: Sequence[PaddedMotion]) -> BaseMotion:
         """The base of a test as the model has it; kept, since the parameters of most models leave it alone."""
         acting = tuple(part for part in model.parts if "base_motion" in part.ways())
         if not acting:
-            return self.bases[test]
-        key = (test, acting)
+            return bases[test]
+        key = (test, bases is self.driving, acting)
         if key not in self._altered:
             if len(self._altered) > 40 * len(self.tests):
                 self._altered.clear()
-            self._altered[key] = model.base(self.bases[test], self.spans[test])
+            self._altered[key] = model.base(bases[test], self.spans[test])
         return self._altered[key]
 
     def run(self, models: Sequence[LoopModel], jobs: Sequence[Job]) -> list[Answer]:
@@ -152,16 +172,17 @@ class Simulator:
         models, jobs = self._by_test(models, jobs)
         return self._run(models, jobs, self._carried(models, jobs))
 
-    def _carried(self, models: Sequence[LoopModel], jobs: Sequence[Job]) -> list[dict[str, float]]:
+    def _carried(self, models: Sequence[LoopModel], jobs: Sequence[Job]) -> list[dict[str, Any]]:
         """What a rotation does not show of the state at the start of each job: slip and height of the corner.
 
         A block that slips forgets how fast it did: it is run from peak to peak of the record, each time from the
-        rotation that was measured there, and what the run says of the rest is carried over.
+        rotation that was measured there, and what the run says of the rest is carried over.  One that bounces on a
+        soft floor forgets sooner: from one peak to the next.
         """
-        slips = [hasattr(model.system, "friction") for model in models]
-        keys = [(job.model, job.test, job.history, job.start) for job in jobs]
-        asked = dict.fromkeys(key for key in keys if slips[key[0]] and key[2])
-        known: dict[Any, dict[str, float]] = {key: {} for key in asked}
+        peaks = [_peaks_remembered(model.system) for model in models]
+        keys = [(j.model, j.test, j.history[max(len(j.history) - peaks[j.model], 0) :], j.start) for j in jobs]
+        asked = dict.fromkeys(key for key in keys if key[2])
+        known: dict[Any, dict[str, Any]] = {key: {} for key in asked}
         for depth in range(max((len(key[2]) for key in asked), default=0)):
             now = [key for key in asked if len(key[2]) > depth]
             runs = []
@@ -173,12 +194,10 @@ class Simulator:
                 known[key] = _beside_rotation(models[key[0]].system, answer)
         return [known.get(key, {}) for key in keys]
 
-    def _run(
-        self, models: Sequence[LoopModel], jobs: Sequence[Job], carried: Sequence[dict[str, float]]
-    ) -> list[Answer]:
+    def _run(self, models: Sequence[LoopModel], jobs: Sequence[Job], carried: Sequence[dict[str, Any]]) -> list[Answer]:
         systems = [model.system for model in models]
         groups: dict[Any, list[int]] = {}
-        motions = [self._base(models[job.model], job.test) for job in jobs]
+        motions = [self._base(models[job.model], job.test, self.driving) for job in jobs]
         for i, job in enumerate(jobs):
             system, motion = systems[job.model], motions[i]
             hooks = getattr(system.parameters, "hooks", None)
@@ -208,7 +227,7 @@ class Simulator:
 
     @staticmethod
     def _run_group(
-        systems: Any, motions: Any, jobs: Sequence[Job], carried: Sequence[dict[str, float]], members: list[int]
+        systems: Any, motions: Any, jobs: Sequence[Job], carried: Sequence[dict[str, Any]], members: list[int]
     ) -> list[Answer]:
         own_systems = list(dict.fromkeys(jobs[i].model for i in members))
         own_motions: dict[int, tuple[int, Any]] = {}
@@ -238,14 +257,24 @@ class Simulator:
         return answers
 
 
-def _beside_rotation(system: Any, answer: Answer) -> dict[str, float]:
-    """Slip and height of the carrying corner at the end of a run; nothing where it sticks to the floor."""
-    mode = int(answer.mode[-1])
-    if answer.fell or answer.failed or mode in (REST, ROTATION):
+def _peaks_remembered(system: Any) -> int:
+    """Over how many peaks what a rotation does not show is carried; 0 for a block that has nothing besides."""
+    return HISTORY if hasattr(system, "friction") else 1 if isinstance(system, BlockOnSoftFloor) else 0
+
+
+def _beside_rotation(system: Any, answer: Answer) -> dict[str, Any]:
+    """Slip and height of the carrying corner at the end of a run; nothing where it sticks to the floor.
+
+    On a soft floor the whole state.
+    """
+    mode, y = int(answer.mode[-1]), tuple(map(float, answer.y[-1]))
+    if answer.fell or answer.failed or not all(map(math.isfinite, y)):
         return {}
-    state = dict(zip(system.state_names, map(float, answer.y[-1]), strict=True))
-    if not all(math.isfinite(value) for value in state.values()):
+    if isinstance(system, BlockOnSoftFloor):
+        return {"beside": (y, Discrete(mode, float(answer.s[-1]), 1.0))}
+    if mode in (REST, ROTATION):
         return {}
+    state = dict(zip(system.state_names, y, strict=True))
     if mode in (TRANSLATION_JUMP, ROTATION_JUMP):
         return {"u": state["u"], "z": max(state["z"], 1e-9), "v": state["v"]}
     return {"u": state["u"]}

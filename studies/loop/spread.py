@@ -29,13 +29,16 @@ SMOOTHING = 0.3
 """Seconds over which the variance is averaged."""
 
 
-def redrawn(tests: Sequence[Test], noise: Array, seed: int = 0, draws: int = DRAWS) -> Simulator:
+def redrawn(
+    tests: Sequence[Test], noise: Array, seed: int = 0, draws: int = DRAWS, factors: Sequence[int] | None = None
+) -> Simulator:
     """The tests with base noise added, `draws` times over: test i of draw k has index k * len(tests) + i.
 
     Args:
         tests: of the campaign.
         noise: standard deviation of the horizontal base channel of each test [m/s^2], shape (test,).
         seed: of the noise.
+        factors: as of `Simulator`, of each test.
     """
     rng = np.random.default_rng(seed)
     noisy = []
@@ -46,7 +49,7 @@ def redrawn(tests: Sequence[Test], noise: Array, seed: int = 0, draws: int = DRA
             if channel is not None:
                 data[channel.name] = data[channel.name] + sd * rng.standard_normal(test.time.size)
             noisy.append(replace(test, data=data))
-    return Simulator(noisy, list(range(len(tests))) * draws)
+    return Simulator(noisy, [*range(len(tests))] * draws, factors=None if factors is None else [*factors] * draws)
 
 
 def variances(

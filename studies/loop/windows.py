@@ -21,7 +21,7 @@ from studies.campaigns import Channel, Test
 from studies.campaigns.clipping import before_overturning, clipped
 from studies.campaigns.smoothing import state
 from studies.campaigns.swings import Segmentation, segment
-from studies.loop.simulation import Peak
+from studies.loop.simulation import HISTORY, Peak
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -33,9 +33,6 @@ SIDE = Channel("side", "rotation")
 """Not a sensor: that the true rotation passes zero where accelerometers show the side to change."""
 
 ANY_SIDE = 9
-
-HISTORY = 6
-"""Peaks before a window over which slip is carried: it is forgotten once the corner sticks."""
 
 RELEASE_SD = 2e-3
 """How far from what was aimed at a lean by hand may be [rad], one standard deviation."""

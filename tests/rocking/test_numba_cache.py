@@ -24,10 +24,13 @@ def package(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def second_impact(folder: Path, method: str) -> float:
-    """Time of the second impact of free rocking, from a process of its own that imports the copy."""
+def second_impact(folder: Path, method: str, before: str = "") -> float:
+    """Time of the second impact of free rocking, from a process of its own that imports the copy.
+
+    before: what the process does between the imports and the run.
+    """
     code = (
-        "import rocking; from rocking import *\n"
+        f"import rocking; from rocking import *; import rocking.solvers.numba.solver\n{before}\n"
         f"assert rocking.__file__.startswith({str(folder)!r}), rocking.__file__\n"
         f"print(solve({RUN[method]}, theta=0.12, t_end=1.5, solver='numba').impact_times[1].hex())"
     )
@@ -85,3 +88,22 @@ def test_method_2_sees_an_edit_of_a_function_that_it_calls_from_another_file(pac
     )
     assert abs(second_impact(package, "method2") - first) > 1e-4
     assert len(cache_files(package)) == len(compiled), "files of the old physics are left behind"
+
+
+@pytest.mark.slow
+def test_what_is_edited_under_a_running_process_is_not_kept(package: Path) -> None:
+    path = package / "rocking" / "method1.py"
+    first = second_impact(package, "method1")
+    for kept in package.rglob("*.nb[ci]"):
+        kept.unlink()
+    old = "return rotating * y[1], -rotating * (par.p2 / par.g * (q.s * A_z * sin + A_x * xp.cos(psi)) + pitching)"
+    faster = old.replace("-rotating", "-2.0 * rotating")
+    change = (
+        "import pathlib, warnings\nwarnings.simplefilter('error')\n"
+        f"warnings.filterwarnings('ignore', 'compiled code is not kept: .*method1.py was changed')\n"
+        f"path = pathlib.Path({str(path)!r})\ntext = path.read_text()\nassert {old!r} in text\n"
+        f"path.write_text(text.replace({old!r}, {faster!r}))"
+    )
+    assert second_impact(package, "method1", change) == first
+    # Kept, the old physics would be found under the digest of the new.
+    assert second_impact(package, "method1") == pytest.approx(first / 2.0**0.5, rel=1e-8)

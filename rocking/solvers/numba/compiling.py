@@ -3,6 +3,8 @@
 numba's disk cache notices a change of the file that holds the compiled function, and no change of a function that it
 calls from another file.  So every compiled function here carries in its name a digest of all sources it may depend on:
 an edit leads to a new name, and the files of the old one are deleted.  A second process finds what the first compiled.
+What is compiled after its sources were edited under a running process is not kept: it would be old physics under the
+new name.
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 import rocking
+from rocking._sources import edited
 from rocking.solvers.numba import namespace
 
 # Hooks are pointers in a tuple, which numba calls experimental each time that it sees them.
@@ -32,6 +35,8 @@ NOT_KEPT = (
     "compiled code is not kept, and compiled again in every process: neither the package's folder nor one of the user "
     "can be written to; set NUMBA_CACHE_DIR to a folder that can"
 )
+
+EDITED = "compiled code is not kept: {} was changed after this process began"
 
 _njit: Any = numba.njit  # whose annotations do not know all of its options
 borrowing: Any = _njit(error_model="numpy", _nrt=False)
@@ -88,14 +93,14 @@ def _content(name: str) -> bytes:
     return path.read_bytes() if path.is_file() else name.encode()
 
 
-def _digest(body: Any, files: Iterable[str]) -> str:
-    """A short digest of all sources and constants that a function may depend on."""
+def _digest(body: Any, files: Iterable[str]) -> tuple[str, list[str]]:
+    """A short digest of all sources and constants that a function may depend on, and the files of the sources."""
     reached, constants = {__file__, *files}, dict[str, str]()
     _reach(body, reached, constants, set())
     digest = hashlib.sha256(repr(sorted(constants.items())).encode())
     for name in sorted(reached):
         digest.update(_content(name))
-    return digest.hexdigest()[:12]
+    return digest.hexdigest()[:12], sorted(reached)
 
 
 def _importable(function: Any) -> bool:
@@ -125,7 +130,11 @@ def compiled(
     keep=False compiles for this process alone: for functions that another process could not find by name.
     parallel=True spreads loops over `prange` over the cores.
     """
-    digest = _digest(body, files)
+    digest, sources = _digest(body, files)
+    changed = next((name for name in sources if keep and edited(name)), None)
+    if changed is not None:
+        warnings.warn(EDITED.format(changed), RuntimeWarning, stacklevel=2)
+        keep = False
     body.__qualname__ = f"{label}_{digest}"
     given: dict[str, Any] = {"nogil": True, "error_model": "numpy", "parallel": parallel}
     try:

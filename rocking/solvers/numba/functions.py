@@ -69,6 +69,10 @@ def parameter_type(kind: Any, size: Size) -> Any:
     """numba's type of the parameters: floats, then hooks if there are any slots for them."""
     from numba import types
 
+    # Pointers to functions are told apart by how their types are written, and that is without the module: the
+    # Parameters of two methods with as many numbers would be one.
+    if not kind.__name__.startswith(kind.__module__):
+        kind.__name__ = f"{kind.__module__}.{kind.__name__}"
     f8 = types.float64
     if size.slots == 0:
         return types.NamedUniTuple(f8, size.floats, kind)

@@ -12,6 +12,7 @@ from scipy.linalg import eig
 import dem
 from rocking import Block, Method1, Mode, solve
 from rocking.effects import compose, parse
+from rocking.hybrid import Discrete
 
 G = 9.80665
 PAPER = Block(b=0.30, h=1.00, d=0.50)  # Block 1 of Winkler, Meguro & Yamazaki (1995), Table 1
@@ -66,12 +67,14 @@ def test_a_leaning_block_is_let_go_with_its_whole_weight_on_what_touches(theta: 
 
 
 # Kinetic + potential + springs + what the dashpots have taken (+ what a spring still held when its foot lifted).
-@pytest.mark.parametrize("xi", [0.0, 0.02, 0.1, 0.3])
-def test_energy_and_what_the_dashpots_take_add_up(xi: float) -> None:
+@pytest.mark.parametrize(("xi", "ratio"), [(0.0, 1.0), (0.02, 1.0), (0.1, 1.0), (0.3, 1.0), (0.0, 5.0), (0.1, 5.0)])
+def test_energy_and_what_the_dashpots_take_add_up(xi: float, ratio: float) -> None:
     k = 1e6
     t = np.linspace(0.0, 0.45, 90001)
-    run = on_springs(SMALL, k, xi, theta=0.1, t_end=0.45, save_at=t, rtol=1e-12, atol=1e-15)
+    stiff = f"compliant_base.tangential_ratio={ratio!r}"
+    run = on_springs(SMALL, k, xi, stiff, theta=0.1, t_end=0.45, save_at=t, rtol=1e-12, atol=1e-15)
     m, c = SMALL.mass, 2.0 * xi * math.sqrt(k * SMALL.mass)
+    k_t, c_t = ratio * k, 2.0 * xi * math.sqrt(ratio * k * SMALL.mass)
     _, z, _, u, v, omega = run.y.T[:6]
     total = 0.5 * m * (u**2 + v**2) + 0.5 * SMALL.I_c * omega**2 + m * G * z
     power, held = np.zeros_like(total), np.zeros_like(total)
@@ -80,13 +83,13 @@ def test_energy_and_what_the_dashpots_take_add_up(xi: float) -> None:
         x, height, foot_u, foot_v = foot_of(run, side)
         slip = x - run.y[:, 6 if side > 0.0 else 7]
         on = (run.mode == Mode.REST) | ((run.mode == Mode.ROTATION) & (run.s == side))
-        held += np.where(on, 0.5 * k * (height**2 + slip**2), 0.0)
+        held += np.where(on, 0.5 * (k * height**2 + k_t * slip**2), 0.0)
         # A dashpot that would pull gives N = 0: what it then takes is what the spring gives.
         normal = np.maximum(-k * height - c * foot_v, 0.0)
-        power += np.where(on, -(normal + k * height) * foot_v + c * foot_u**2, 0.0)
+        power += np.where(on, -(normal + k * height) * foot_v + c_t * foot_u**2, 0.0)
         lifts = run.events.y_before[run.events.guard == run.system.guard_names.index(name)]
         slip_then = foot_of(run, side, states=lifts)[0] - lifts[:, 6 if side > 0.0 else 7]
-        lost += float(np.sum(0.5 * k * slip_then**2))
+        lost += float(np.sum(0.5 * k_t * slip_then**2))
         assert len(run.times_of(lands)) > 0 or side > 0.0
     # The dashpots act by leaps at each landing: a quadrature between neighbouring events.
     taken, edges = 0.0, [0.0, *run.events.t, 0.45]
@@ -122,15 +125,17 @@ def test_without_dashpots_nothing_is_lost_before_a_foot_lifts() -> None:
 
 
 # Stiffness and mass of a body on two springs, linear: K = sum J^T J k with J of each foot, less the fall of the weight.
-def test_small_oscillations_have_the_frequencies_of_the_linear_body_on_two_springs() -> None:
+@pytest.mark.parametrize("ratio", [1.0, 0.3, 8.0])
+def test_small_oscillations_have_the_frequencies_of_the_linear_body_on_two_springs(ratio: float) -> None:
     k, m = 5e5, SMALL.mass
-    system = compose(Method1(SMALL), parse([f"compliant_base.corner_stiffness={k}", "compliant_base.damping_ratio=0"]))
+    texts = ["corner_stiffness=5e5", "damping_ratio=0", f"tangential_ratio={ratio!r}"]
+    system = compose(Method1(SMALL), parse([f"compliant_base.{text}" for text in texts]))
     sink = m * G / (2.0 * k)
     K = np.zeros((3, 3))
     for side in (1.0, -1.0):
         r_x, r_z = side * 0.075, -0.25
         J = np.array([[1.0, 0.0, r_z], [0.0, 1.0, -r_x]])
-        K += k * J.T @ J
+        K += J.T @ np.diag([ratio * k, k]) @ J
     # A foot pressed by N turns with the block: its height's second derivative is -r_z, its moment N r_z theta.
     K[2, 2] += 2.0 * k * sink * -0.25
     values, modes = eig(K, np.diag([m, m, SMALL.I_c]))
@@ -188,6 +193,23 @@ def test_the_history_is_that_of_the_distinct_element_with_the_same_contacts(xi: 
     assert len(run.impact_times) >= 2
     # Steps of 5e-6 s of the distinct element, first order at a landing: within 2e-5 of a swing of 0.12 rad.
     np.testing.assert_allclose(run.theta, history.theta[: t.size], rtol=0.0, atol=2e-5)
+
+
+# Without dashpots, since those of the distinct element are alike both ways: the first three contacts, after which what
+# bounces undamped magnifies every difference.
+@pytest.mark.parametrize("ratio", [4.0, 0.25])
+def test_other_stiffness_along_the_floor_is_that_of_the_distinct_element(ratio: float) -> None:
+    history = dem.simulate(
+        dem.single_block(0.30, 1.00, 0.50, PAPER.density), t_end=0.5, dt=1e-6, mu=math.inf, damping_ratio=0.0,
+        theta0=0.12, coulomb="spring", save_every=100, ks=ratio * 1.98e7,
+    )  # fmt: skip
+    t = history.time[history.time <= 0.5]
+    stiff = f"compliant_base.tangential_ratio={ratio!r}"
+    run = on_springs(PAPER, 1.98e7, 0.0, stiff, theta=0.12, t_end=0.5, save_at=t, rtol=1e-11, atol=1e-14)
+    assert len(run.impact_times) >= 3
+    np.testing.assert_allclose(run.theta, history.theta[: t.size], rtol=0.0, atol=2e-5)
+    even = on_springs(PAPER, 1.98e7, 0.0, theta=0.12, t_end=0.5, save_at=t)
+    assert np.abs(run.theta - even.theta).max() > 1e-3
 
 
 def method_1(block: Block, theta0: float, e: float, impacts: int) -> list[float]:
@@ -263,3 +285,19 @@ def test_no_damping_makes_the_contacts_switch_without_end(xi: float) -> None:
     # Every lift is followed by a landing of the same foot, and the other way round.
     for lands, lifts in (("contact", "right_lifts"), ("landing", "left_lifts")):
         assert abs(len(run.times_of(lands)) - len(run.times_of(lifts))) <= 1
+
+
+def test_a_state_beside_a_rotation_keeps_what_its_lower_corner_does() -> None:
+    run = on_springs(SMALL, 1e6, 0.05, theta=0.1, t_end=0.6, save_at=np.linspace(0.0, 0.6, 601))
+    system = run.system
+    for k in np.flatnonzero(np.abs(run.theta) > 5e-3)[::7]:
+        state = tuple(map(float, run.y[k]))
+        q = Discrete(int(run.mode[k]), float(run.s[k]), 1.0)
+        y, same = system.initial_state(state[2], state[5], beside=(state, q))
+        np.testing.assert_allclose(y[:6], state[:6], rtol=0.0, atol=1e-13)
+        assert (same.mode, same.s) == (q.mode, q.s) or q.mode == Mode.ROTATION_JUMP
+        side = math.copysign(1.0, state[2])
+        y, _ = system.initial_state(state[2] + 1e-3 * side, state[5] - 0.2, beside=(state, q))
+        assert y[2] == state[2] + 1e-3 * side and y[5] == state[5] - 0.2
+        moved, was = (foot_of(run, side, states=np.array([row])) for row in (y, state))
+        np.testing.assert_allclose(np.ravel(moved), np.ravel(was), rtol=0.0, atol=1e-13)

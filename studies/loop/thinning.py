@@ -1,0 +1,88 @@
+"""The recorded base motion at fewer samples a second, for runs: as few as move the block as the record does.
+
+Runs step from node to node of the base motion.  A record of 500 samples a second holds, beyond some 40 Hz, hardly
+anything but its sensor's noise, which moves no block.  How much a record loses by being sampled less often is judged
+by what the block would do: both the loss and the sensor's noise pass a filter with the block's own rate, and the loss
+must stay far below the noise.
+
+Source   the filter: a critically damped oscillator of the block's rate p, as rotation follows acceleration with 1/p^2
+         below p and 1/omega^2 above it
+Status   the loss of runs under thinned records is a small share of what the base sensor's noise does to them (tests)
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from excitation import SampledMotion
+from excitation.record import Record
+from excitation.resampling import resampled
+
+Array = NDArray[np.float64]
+
+LONGEST = 0.0205
+"""Longest time [s] between samples of a thinned motion."""
+
+SHARE = 0.15
+"""Of what the sensor's noise does to the block, the most that may be lost."""
+
+
+def thinning(motion: SampledMotion, noise: float, p: float) -> int:
+    """Samples of a motion that one of the thinned motion stands for: the most that lose nothing worth speaking of.
+
+    Args:
+        motion: as it was recorded.
+        noise: standard deviation of its samples [m/s^2]; with 0 nothing is thinned.
+        p: rate of the block, sqrt(m g R / I) [1/s].
+    """
+    if noise <= 0.0:
+        return 1
+    step = motion.time_step
+    limit = SHARE * noise * _of_white_noise(p, step)
+    for factor in range(int(LONGEST / step), 1, -1):
+        if max(np.max(np.abs(_filtered(p, step, loss))) for loss in _lost(motion, factor)) <= limit:
+            return factor
+    return 1
+
+
+def thinned(motion: SampledMotion, factor: int) -> SampledMotion:
+    """The motion with one sample for every `factor` of them, what these cannot hold filtered out.
+
+    It reaches as far as the motion does, or somewhat further.
+    """
+    if factor == 1:
+        return motion
+    a_x, a_z = (None if a is None else _less(a, motion.time_step, factor) for a in (motion.a_x, motion.a_z))
+    assert a_x is not None
+    return SampledMotion(factor * motion.time_step, a_x, a_z, start=motion.start, name=motion.name)
+
+
+def _less(a: Array, step: float, factor: int) -> Array:
+    more = -(a.size - 1) % factor
+    record = Record(step, np.concatenate([a, np.full(more, a[-1])]))
+    return resampled(record, factor * step).acceleration
+
+
+def _lost(motion: SampledMotion, factor: int) -> list[Array]:
+    """What the channels of a motion lose at its samples."""
+    fewer = thinned(motion, factor)
+    return [
+        there - a for a, there in zip((motion.a_x, motion.a_z), fewer(motion.times), strict=True) if a is not None
+    ]  # fmt: skip
+
+
+def _filtered(p: float, step: float, a: Array) -> Array:
+    """Response of a critically damped oscillator of rate p to a, over 1/p^2."""
+    from scipy.signal import bilinear, lfilter
+
+    return np.asarray(lfilter(*bilinear([p * p], [1.0, 2.0 * p, p * p], 1.0 / step), a))
+
+
+def _of_white_noise(p: float, step: float) -> float:
+    """Standard deviation of white noise of deviation 1 behind that filter."""
+    pulse = np.zeros(math.ceil(20.0 / (p * step)))
+    pulse[0] = 1.0
+    return float(np.linalg.norm(_filtered(p, step, pulse)))
