@@ -43,6 +43,9 @@ NOTHING_LEFT = 1.02
 MISSED_BY_FAR = 3.0
 """Rms of whole records over their noise that cannot be called explained."""
 
+MISSED_RECORDS = 2
+"""So many of them have to be missed so: one may be lost to an impact that hung on the noise of the base."""
+
 STRUCTURE = 1.03
 """Rms in the swings over what the noise leaves of it from which structure is left: four of its standard deviations in
 ten thousand samples."""
@@ -132,7 +135,7 @@ def close(
             f"single swings do not settle on {hint}: whole records decided, as far as the noise of the base leaves "
             "them predictable"
         )
-    if verdict == "none" and setup.by_rotation and fits[-1].rms > MISSED_BY_FAR:
+    if verdict == "none" and setup.by_rotation and _missed(fits[-1]):
         verdict = "unexplained"
         notes.append(
             f"single swings are explained down to their noise, whole records are missed by {fits[-1].rms:.1f} times "
@@ -216,6 +219,12 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
     if bic(routes[0].swing) < bic(best.swing) + PAYS:
         best = routes[0]
     return best, "unexplained"
+
+
+def _missed(whole: Fit) -> bool:
+    """Whether whole records cannot be called explained."""
+    missed = int(np.count_nonzero(whole.by_window > MISSED_BY_FAR))
+    return whole.rms > MISSED_BY_FAR and missed >= MISSED_RECORDS
 
 
 def _declared(campaign: Campaign, g: float) -> LoopModel:

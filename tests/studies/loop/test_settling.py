@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from studies.campaigns import Channel, DeclaredBlock
+from studies.loop.closing import _missed
 from studies.loop.fitting import Parameter
 from studies.loop.model import LoopModel
 from studies.loop.settling import FEWEST_SAMPLES, PREDICTABLE, _apart, _disagreement, neighbours, predictable
@@ -79,3 +80,14 @@ def test_neighbours_reach_two_standard_deviations_within_the_bounds() -> None:
     values = [model.get(drag.name) for model in neighbours(found, np.array([[0.04]]), drag, 11)]
     np.testing.assert_allclose(values, np.maximum(0.3 + 0.2 * np.linspace(-2.0, 2.0, 11), 0.0), atol=1e-12)
     assert neighbours(found, np.array([[0.04]]), Parameter("base_tilt.angle", 1e-3), 11) == []
+
+
+def test_one_lost_record_makes_no_campaign_unexplained() -> None:
+    def records(*rms: float) -> Any:
+        values = np.array(rms)
+        return SimpleNamespace(rms=float(np.sqrt(np.mean(values**2))), by_window=values)
+
+    # An impact that hangs on the noise of the base loses a record; what acts on a block acts in more than one.
+    assert not _missed(records(1.0, 1.1, 0.9, 30.0))
+    assert _missed(records(1.0, 1.1, 8.0, 30.0))
+    assert not _missed(records(1.0, 2.0, 2.9, 2.9))
