@@ -6,6 +6,7 @@ Status   code that is compiled after such an edit is not kept (tests)
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 
@@ -15,7 +16,10 @@ def stamp(path: Path) -> tuple[int, int]:
     return found.st_mtime_ns, found.st_size
 
 
-STAMPS = {str(path): stamp(path) for path in Path(__file__).parent.rglob("*.py")}
+STAMPS: dict[str, tuple[int, int]] = {}
+for _path in Path(__file__).parent.rglob("*.py"):
+    with suppress(OSError):  # an editor's lock, a link to nowhere, a file that goes
+        STAMPS[str(_path)] = stamp(_path)
 
 
 def edited(name: str) -> bool:

@@ -254,10 +254,11 @@ class BlockOnSoftFloor:
 
         Args:
             theta, omega: rotation [rad] and angular velocity [rad/s].
-            beside: a state at about that rotation; the lower corner is as deep in the floor, and moves there, as in it.
+            beside: a state at about that rotation, the lower corner of which is kept as deep in the floor and moving
+                there; without effect if it leans to the other side.
         """
         par = self.parameters
-        if beside is not None:
+        if beside is not None and beside[0][2] * theta > 0.0:
             return self._beside(par, theta, omega, *beside)
         if theta == 0.0 and omega == 0.0:
             tilt = self._standing(par)

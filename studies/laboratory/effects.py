@@ -112,7 +112,7 @@ def vertical_motion(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
 
 
 HOLDS = 2.0
-"""Friction of a floor that gives: more than any shaking asks for, so that nothing slips besides."""
+"""Friction under springs, a soft floor or a bouncing corner: more than any shaking asks for, nothing slips."""
 
 
 def compliant_base(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:

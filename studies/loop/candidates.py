@@ -103,7 +103,7 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
             (
                 Parameter("compliant_base.corner_stiffness", 0.3, 1e-3 * soft[0], 10.0 * soft[2], True),
                 Parameter("compliant_base.damping_ratio", 0.3, 1e-3, 2.0, True),
-                Parameter("compliant_base.tangential_ratio", 0.5, 0.05, 20.0, True),
+                Parameter("compliant_base.tangential_ratio", 0.5, 0.05, 10.0, True),
             ),
             tuple({"compliant_base.corner_stiffness": k, "compliant_base.damping_ratio": 0.15,
                    "compliant_base.tangential_ratio": 5.0} for k in soft),

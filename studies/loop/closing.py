@@ -224,7 +224,7 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
 def _missed(whole: Fit) -> bool:
     """Whether whole records cannot be called explained."""
     missed = int(np.count_nonzero(whole.by_window > MISSED_BY_FAR))
-    return whole.rms > MISSED_BY_FAR and missed >= MISSED_RECORDS
+    return whole.rms > MISSED_BY_FAR and missed >= min(MISSED_RECORDS, len(whole.by_window))
 
 
 def _declared(campaign: Campaign, g: float) -> LoopModel:

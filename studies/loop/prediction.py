@@ -16,6 +16,7 @@ from studies.campaigns import Campaign, Test
 from studies.loop.instruments import accelerations
 from studies.loop.model import LoopModel
 from studies.loop.simulation import Answer, Job, Simulator
+from studies.loop.thinning import factors
 from studies.running.files import save_text, write_whole
 
 Array = NDArray[np.float64]
@@ -26,12 +27,17 @@ def predict(model: LoopModel, campaign: Campaign, simulator: Simulator | None = 
 
     simulator: of the tests of the campaign, if there is one already.
     """
-    simulator = simulator or Simulator(campaign.tests)
+    simulator = simulator or simulator_of(model, campaign)
     jobs = [
         Job(0, k, np.ascontiguousarray(test.time), float(test.time[0]), float(test.initial_rotation or 0.0))
         for k, test in enumerate(campaign.tests)
     ]
     return simulator.run([model], jobs)
+
+
+def simulator_of(model: LoopModel, campaign: Campaign) -> Simulator:
+    """Runs on the tests of a campaign, on base records as thin as those that a model is fitted to."""
+    return Simulator(campaign.tests, factors=factors(campaign.tests, campaign.block.p(model.g)))
 
 
 def write_predictions(
@@ -43,7 +49,7 @@ def write_predictions(
     """
     folder.mkdir(parents=True, exist_ok=True)
     summary = {}
-    simulator = Simulator(campaign.tests)
+    simulator = simulator_of(model, campaign)
     answers = predict(model, campaign, simulator)
     for k, (test, answer) in enumerate(zip(campaign.tests, answers, strict=True)):
         tell(test.id)

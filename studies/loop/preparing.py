@@ -5,22 +5,20 @@ Status   campaigns with a rotation channel, with accelerometers on the block, or
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studies.campaigns import Campaign, CampaignError, Channel, Test, motion_groups
-from studies.campaigns.base_motion import base_motion
+from studies.campaigns import Campaign, CampaignError, Channel, motion_groups
 from studies.campaigns.signals import noise as estimated_noise
 from studies.loop import reconstruction
 from studies.loop.keeping import Keeper
 from studies.loop.model import LoopModel
 from studies.loop.simulation import Simulator
 from studies.loop.spread import redrawn
-from studies.loop.thinning import thinning
+from studies.loop.thinning import base_noise, factors
 from studies.loop.windows import SIDE, Record, Window, record_of, swing_windows, whole_windows, with_accelerometers
 
 Array = NDArray[np.float64]
@@ -89,10 +87,9 @@ def prepare(campaign: Campaign, declared: LoopModel, keeper: Keeper | None = Non
     Raises:
         CampaignError: the campaign has no response to learn from, or too little of it.
     """
-    base_noise = np.array([_noise(test.channel("base_acceleration_x"), test.base_x, test.time_step)
-                           for test in campaign.tests])  # fmt: skip
-    factors = [_factor(test, float(sd), declared) for test, sd in zip(campaign.tests, base_noise, strict=True)]
-    simulator = Simulator(campaign.tests, keeper=keeper, factors=factors)
+    noise_of_base = np.array([base_noise(test) for test in campaign.tests])
+    thinned = factors(campaign.tests, campaign.block.p(declared.g))
+    simulator = Simulator(campaign.tests, keeper=keeper, factors=thinned)
     sensors = [c for c in campaign.channels if c.kind == "block_acceleration"]
     start = reconstruction.mounted(declared, simulator, sensors)
     noises = {c.name: _typical_noise(campaign, c) for c in sensors}
@@ -106,7 +103,7 @@ def prepare(campaign: Campaign, declared: LoopModel, keeper: Keeper | None = Non
             "no test has a record of the response: want a rotation channel or accelerometers on the block to learn from"
         )
     if sensors:
-        felt = _felt(simulator, start, records, base_noise)
+        felt = _felt(simulator, start, records, noise_of_base)
         records = [replace(r, felt=f) for r, f in zip(records, felt, strict=True)]
     held = held_out(campaign, records)
     kept = [r for r in records if r.test not in held]
@@ -120,15 +117,10 @@ def prepare(campaign: Campaign, declared: LoopModel, keeper: Keeper | None = Non
             "learn from (larger motions, or a quieter sensor)"
         )
     return Setup(
-        campaign, simulator, redrawn(campaign.tests, base_noise, factors=factors), tuple(records), held, tuple(swings),
-        tuple(whole_windows(kept)), tuple(whole_windows([r for r in records if r.test in held])), start, tuple(notes),
+        campaign, simulator, redrawn(campaign.tests, noise_of_base, factors=thinned), tuple(records), held,
+        tuple(swings), tuple(whole_windows(kept)), tuple(whole_windows([r for r in records if r.test in held])),
+        start, tuple(notes),
     )  # fmt: skip
-
-
-def _factor(test: Test, noise: float, declared: LoopModel) -> int:
-    """How many samples of the base record of a test are one in runs."""
-    motion = base_motion(test)
-    return 1 if motion is None else thinning(motion, noise, math.sqrt(declared.system.parameters.p2))
 
 
 def _by_rotation(campaign: Campaign) -> tuple[list[Record], list[str]]:
@@ -161,9 +153,9 @@ def _typical_noise(campaign: Campaign, channel: Channel) -> float:
     return float(np.median(seen)) if seen else 0.0
 
 
-def _felt(simulator: Simulator, model: LoopModel, records: Sequence[Record], base_noise: Array) -> list[Array]:
+def _felt(simulator: Simulator, model: LoopModel, records: Sequence[Record], noise_of_base: Array) -> list[Array]:
     """What the base sensor's noise does to accelerometers on the block [unit of the channel], shape (channel, time).
 
     The base record enters their prediction sample by sample, besides what it does to the motion.
     """
-    return [base_noise[record.test] * reconstruction.by_base(simulator, model, record) for record in records]
+    return [noise_of_base[record.test] * reconstruction.by_base(simulator, model, record) for record in records]

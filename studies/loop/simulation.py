@@ -115,7 +115,7 @@ class Simulator:
         driving = [thinned(base, factor) for base, factor in zip(bases, self.factors, strict=True)]
         self.bases, self.driving = _padded(bases), _padded(driving)
         self.spans = [(float(test.time[0]), float(test.time[-1])) for test in self.tests]
-        self._altered: dict[tuple[int, bool, Any], BaseMotion] = {}
+        self._altered: dict[tuple[int, Any], BaseMotion] = {}
         self._sampled: dict[tuple[int, int], tuple[BaseMotion, Base]] = {}
 
     @cached_property
@@ -141,7 +141,7 @@ class Simulator:
 
         Every sample of the record: this is what sensors on the block read besides its motion.
         """
-        motion = self._base(model, test, self.bases)
+        motion = self._base(model, test)
         key = (test, id(motion))
         if key not in self._sampled or self._sampled[key][0] is not motion:
             if len(self._sampled) > 40 * len(self.tests):
@@ -151,16 +151,21 @@ class Simulator:
             self._sampled[key] = (motion, Base(*(value + np.zeros(time.size) for value in there)))
         return self._sampled[key][1]
 
-    def _base(self, model: LoopModel, test: int, bases: Sequence[PaddedMotion]) -> BaseMotion:
+    def _driving(self, model: LoopModel, test: int) -> BaseMotion:
+        """The base that a run sees: thinned, but for effects that make motion of other frequencies from the record."""
+        acts = any("base_motion" in part.ways() for part in model.parts)
+        return self._base(model, test) if acts else self.driving[test]
+
+    def _base(self, model: LoopModel, test: int) -> BaseMotion:
         """The base of a test as the model has it; kept, since the parameters of most models leave it alone."""
         acting = tuple(part for part in model.parts if "base_motion" in part.ways())
         if not acting:
-            return bases[test]
-        key = (test, bases is self.driving, acting)
+            return self.bases[test]
+        key = (test, acting)
         if key not in self._altered:
             if len(self._altered) > 40 * len(self.tests):
                 self._altered.clear()
-            self._altered[key] = model.base(bases[test], self.spans[test])
+            self._altered[key] = model.base(self.bases[test], self.spans[test])
         return self._altered[key]
 
     def run(self, models: Sequence[LoopModel], jobs: Sequence[Job]) -> list[Answer]:
@@ -197,7 +202,7 @@ class Simulator:
     def _run(self, models: Sequence[LoopModel], jobs: Sequence[Job], carried: Sequence[dict[str, Any]]) -> list[Answer]:
         systems = [model.system for model in models]
         groups: dict[Any, list[int]] = {}
-        motions = [self._base(models[job.model], job.test, self.driving) for job in jobs]
+        motions = [self._driving(models[job.model], job.test) for job in jobs]
         for i, job in enumerate(jobs):
             system, motion = systems[job.model], motions[i]
             hooks = getattr(system.parameters, "hooks", None)

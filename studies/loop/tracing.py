@@ -38,6 +38,9 @@ NEAR = 0.02
 SOME = 50
 """Windows on which starts are compared."""
 
+SOME_COSTLY = 16
+"""The same where a run takes long."""
+
 NOTHING = 0.05
 """A gain on some of the windows below this share of `PAYS` promises nothing."""
 
@@ -189,7 +192,8 @@ def _nothing(onto: Trial, candidate: Candidate) -> dict[str, float]:
 def _begun(simulator: Simulator, onto: Trial, candidate: Candidate) -> Fit | str:
     """The best of the fits from all starts after a few steps, on all windows, or why there is none."""
     # Friction gives way in few of the windows: some of them may hold none.
-    every = 1 if candidate.slips else max(1, len(onto.swing.windows) // SOME)
+    some_of = SOME_COSTLY if candidate.costly or onto.costly else SOME
+    every = 1 if candidate.slips else max(1, len(onto.swing.windows) // some_of)
     some = onto.swing.windows[::every]
     parameters = [*onto.calibrated_with(candidate), *onto.parameters, *candidate.parameters]
     best: Fit | None = None

@@ -60,7 +60,7 @@ def noted() -> Iterator[Noted]:
     within a block belongs to the outer one.
 
     Raises:
-        KeyboardInterrupt: at the end, if one came and nothing else has been raised.
+        KeyboardInterrupt: at the end, if one came; its cause is what else was raised.
     """
     global _active
     usual = signal.getsignal(signal.SIGINT)
@@ -72,10 +72,14 @@ def noted() -> Iterator[Noted]:
         return
     own = Noted()
     own.usual = usual
-    _active = own
-    signal.signal(signal.SIGINT, own.note)
     try:
+        _active = own
+        signal.signal(signal.SIGINT, own.note)
         yield own
+    except Exception as error:
+        if own.asked:  # whoever catches the error would go on
+            raise KeyboardInterrupt from error
+        raise
     finally:
         _active = None
         signal.signal(signal.SIGINT, usual)

@@ -146,7 +146,8 @@ def run(
             _compute(sweep, folder, workers, scheduler, chunk_points, progress, watch)
             gather(sweep, folder, chunk_points, target, attributes)
             folder.sweep_away()
-    return xr.open_dataset(target)
+    with noted():
+        return xr.open_dataset(target)
 
 
 def _compute(

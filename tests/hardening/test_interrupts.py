@@ -99,9 +99,13 @@ def test_blocks_within_a_block_belong_to_the_outer_one():
     assert order == ["inner done", "asked"]
 
 
-def test_another_error_is_not_hidden():
-    with pytest.raises(OSError, match="disk"), noted():
+def test_an_interrupt_is_not_lost_where_something_else_fails():
+    """Who catches the error would go on: as a reader that takes a damaged file for none."""
+    with pytest.raises(KeyboardInterrupt) as caught, noted():
         signal.raise_signal(signal.SIGINT)
+        raise OSError("disk")
+    assert isinstance(caught.value.__cause__, OSError)
+    with pytest.raises(OSError, match="disk"), noted():
         raise OSError("disk")
 
 
@@ -140,7 +144,7 @@ def test_runs_under_way_are_kept_and_the_others_not_begun(tmp_path):
 
 
 def test_a_sweep_of_a_program_is_interrupted_between_chunks(tmp_path):
-    """Chunks that are done when Ctrl-C comes are kept, also while one is being written."""
+    """Chunks that are done when Ctrl-C comes are kept, those under way are finished."""
     text = files.SWEEP.replace("[1.0, 2.0]", str([1.0 + 0.01 * k for k in range(50)]))
     sweep = from_mapping(tomllib.loads(text))
     seen = []

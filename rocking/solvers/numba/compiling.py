@@ -3,8 +3,8 @@
 numba's disk cache notices a change of the file that holds the compiled function, and no change of a function that it
 calls from another file.  So every compiled function here carries in its name a digest of all sources it may depend on:
 an edit leads to a new name, and the files of the old one are deleted.  A second process finds what the first compiled.
-What is compiled after its sources were edited under a running process is not kept: it would be old physics under the
-new name.
+What is compiled after sources of this package were edited under a running process is not kept: it would be old physics
+under the new name.
 """
 
 from __future__ import annotations

@@ -71,8 +71,7 @@ def parameter_type(kind: Any, size: Size) -> Any:
 
     # Pointers to functions are told apart by how their types are written, and that is without the module: the
     # Parameters of two methods with as many numbers would be one.
-    if not kind.__name__.startswith(kind.__module__):
-        kind.__name__ = f"{kind.__module__}.{kind.__name__}"
+    kind.__name__ = f"{kind.__module__}.{kind.__qualname__}"
     f8 = types.float64
     if size.slots == 0:
         return types.NamedUniTuple(f8, size.floats, kind)

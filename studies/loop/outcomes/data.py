@@ -19,7 +19,7 @@ from scipy.signal import resample_poly
 
 from studies.campaigns import Campaign, CampaignError, DeclaredBlock, Test, motion_groups
 from studies.campaigns.gaps import LONGEST_FILL, whole_base
-from studies.campaigns.signals import noise as estimated_noise
+from studies.loop.thinning import base_noise
 
 Array = NDArray[np.float64]
 
@@ -62,7 +62,7 @@ class OutcomeData:
     @cached_property
     def base_noise(self) -> Array:
         """Standard deviation of the horizontal base channel of each test [m/s^2]; zero where it has none."""
-        return np.array([_base_noise(test) for test in self.tests])
+        return np.array([base_noise(test) for test in self.tests])
 
 
 def prepare(campaign: Campaign) -> OutcomeData:
@@ -105,13 +105,6 @@ def _held(group: NDArray[np.int64]) -> list[int]:
     motions = int(group.max()) + 1
     count = max(1, round(motions / 4))
     return [int((k + 0.5) * motions / count) for k in range(count)]
-
-
-def _base_noise(test: Test) -> float:
-    channel = test.channel("base_acceleration_x")
-    if channel is None or test.base_x is None:
-        return 0.0
-    return float(channel.noise or estimated_noise(test.base_x, test.time_step).value)
 
 
 def cheap(test: Test, block: DeclaredBlock) -> Test:

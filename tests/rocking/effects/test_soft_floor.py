@@ -301,3 +301,9 @@ def test_a_state_beside_a_rotation_keeps_what_its_lower_corner_does() -> None:
         assert y[2] == state[2] + 1e-3 * side and y[5] == state[5] - 0.2
         moved, was = (foot_of(run, side, states=np.array([row])) for row in (y, state))
         np.testing.assert_allclose(np.ravel(moved), np.ravel(was), rtol=0.0, atol=1e-13)
+        # Its spring along the floor is as long as it was; what leans to the other side says nothing.
+        carrying = 6 if side > 0.0 else 7
+        if np.ravel(was)[1] < 0.0 and (q.mode == Mode.REST or q.s == side):
+            assert y[carrying] == state[carrying]
+        other = system.initial_state(-state[2], 0.1, beside=(state, q))
+        assert other == system.initial_state(-state[2], 0.1)

@@ -91,3 +91,4 @@ def test_one_lost_record_makes_no_campaign_unexplained() -> None:
     assert not _missed(records(1.0, 1.1, 0.9, 30.0))
     assert _missed(records(1.0, 1.1, 8.0, 30.0))
     assert not _missed(records(1.0, 2.0, 2.9, 2.9))
+    assert _missed(records(8.0))  # of one record there is no other to ask

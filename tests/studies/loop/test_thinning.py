@@ -8,7 +8,10 @@ from scipy.integrate import solve_ivp
 
 from excitation import SampledMotion
 from rocking import Block, Method1, solve
-from studies.loop.thinning import SHARE, thinned, thinning
+from studies.campaigns import Channel, DeclaredBlock, Test
+from studies.loop.model import LoopModel
+from studies.loop.simulation import Simulator
+from studies.loop.thinning import SHARE, factors, thinned, thinning
 
 P, STEP, NOISE = 5.0, 0.002, 3e-3
 
@@ -75,3 +78,25 @@ def test_a_block_hardly_notices() -> None:
         apart.append(tuple(float(np.mean((run - true) ** 2)) for run in runs))
     every, fewer = np.mean(apart, axis=0)
     assert fewer < every
+
+
+def test_a_campaign_that_declares_its_mass_distribution_is_thinned_too() -> None:
+    t = STEP * np.arange(4003)
+    channels = (Channel("base_x", "base_acceleration_x", NOISE),)
+    test = Test("ramp", "forced", t, channels, {"base_x": record(3.0).a_x})
+    at_rest = Test("free", "free", t, (), {}, initial_rotation=0.1)
+    block = DeclaredBlock(0.2, 0.8, 0.3, 30.0, centre_of_mass_height=0.35, inertia=1.5)
+    assert factors([test, at_rest], block.p()) == [thinning(record(3.0), NOISE, block.p()), 1]
+
+
+def test_effects_that_change_the_base_have_every_sample() -> None:
+    t = STEP * np.arange(4003)
+    channels = (Channel("base_x", "base_acceleration_x", NOISE),)
+    block = DeclaredBlock(0.2, 0.8, 0.3, 30.0)
+    simulator = Simulator([Test("ramp", "forced", t, channels, {"base_x": record(3.0).a_x})], factors=[5])
+    plain = LoopModel(block, 0.9, {}, 9.81)
+    pitching = LoopModel(block, 0.9, {"table_pitch": {"per_acceleration": 1e-4}}, 9.81)
+    assert simulator._driving(plain, 0).max_step == pytest.approx(5 * STEP)
+    assert simulator._driving(pitching, 0).max_step == pytest.approx(STEP)
+    # What sensors on the block read has every sample, whatever runs see.
+    np.testing.assert_allclose(simulator.base(plain, 0).a_x, record(3.0).a_x, atol=1e-12)
