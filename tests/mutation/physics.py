@@ -16,9 +16,9 @@ FOLDERS = (
 # Not physics: what describes, names, checks arguments, compiles, is plumbing of devices and folders, or draws.
 LEFT_OUT = {
     "__init__.py", "__main__.py", "picture.py", "plot.py", "validation.py", "arguments.py", "checks.py", "compiled.py",
-    "compiling.py", "namespace.py", "threads.py", "devices.py", "labelled.py", "datasets.py", "recipes.py",
-    "binding.py", "columns.py", "judge.py", "plans.py", "campaign.py", "outcomes.py", "parameters.py", "prediction.py",
-    "truth.py",
+    "compiling.py", "_sources.py", "namespace.py", "threads.py", "devices.py", "labelled.py", "datasets.py",
+    "recipes.py", "binding.py", "columns.py", "judge.py", "plans.py", "campaign.py", "outcomes.py", "parameters.py",
+    "prediction.py", "truth.py",
 }  # fmt: skip
 STUDIES = (
     "criteria/overturning", "criteria/columns", "criteria/pickups", "criteria/free_vibration", "fig05/fit",
