@@ -60,7 +60,7 @@ def noted() -> Iterator[Noted]:
     within a block belongs to the outer one.
 
     Raises:
-        KeyboardInterrupt: at the end, if one came; its cause is what else was raised.
+        KeyboardInterrupt: at the end, if one came, also where something else was raised.
     """
     global _active
     usual = signal.getsignal(signal.SIGINT)
@@ -76,9 +76,8 @@ def noted() -> Iterator[Noted]:
         _active = own
         signal.signal(signal.SIGINT, own.note)
         yield own
-    except Exception as error:
-        if own.asked:  # whoever catches the error would go on
-            raise KeyboardInterrupt from error
+    except Exception:
+        own.hear()  # whoever catches the error would go on
         raise
     finally:
         _active = None

@@ -104,7 +104,7 @@ def test_an_interrupt_is_not_lost_where_something_else_fails():
     with pytest.raises(KeyboardInterrupt) as caught, noted():
         signal.raise_signal(signal.SIGINT)
         raise OSError("disk")
-    assert isinstance(caught.value.__cause__, OSError)
+    assert isinstance(caught.value.__context__, OSError)
     with pytest.raises(OSError, match="disk"), noted():
         raise OSError("disk")
 
