@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from tqdm import tqdm
 
 from dem import arrays as q
-from dem import assembly_setup, assembly_step, contact_forces, narrow_phase
+from dem import assembly_setup, assembly_step, assembly_threads, contact_forces, narrow_phase
 from dem.arrays import Lists, Saved, Watched, lists_of
 from dem.assembly import Assembly
 from dem.assembly_history import AssemblyHistory, Ending, Fall, Separation
@@ -137,7 +136,7 @@ class Run:
                 self.cell, self.movable, self.materials, self.judgement, self.rule, self.limits, clock, opening,
                 self.watched, self.saved, self.counts,
             )  # fmt: skip
-            ending = _by_workers(self.workers, arguments)
+            ending = assembly_threads.by_workers(self.workers, arguments)
             if ending != assembly_step.NO_ROOM:
                 return ending
             self._take_room(self.room.doubled())
@@ -300,18 +299,6 @@ class Run:
         speed = np.abs(b[q.VX]) + np.abs(b[q.VZ]) + b[q.RADIUS] * np.abs(b[q.OMEGA])
         number = int(np.argmin(speed < limits.speed))
         return number, f"speed = {speed[number]:.6g} m/s where at most {limits.speed:.6g} m/s is possible"
-
-
-def _by_workers(workers: int, arguments: tuple[Any, ...]) -> int:
-    """Call the compiled loop from so many threads; this one is the first worker."""
-    if workers == 1:
-        return assembly_step.advance_assembly(0, *arguments)
-    with ThreadPoolExecutor(workers - 1) as pool:
-        others = [pool.submit(assembly_step.advance_assembly, worker, *arguments) for worker in range(1, workers)]
-        ending = assembly_step.advance_assembly(0, *arguments)
-        for other in others:
-            other.result()
-    return ending
 
 
 def _no_interfaces(run: Run) -> Watched:

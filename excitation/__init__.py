@@ -30,6 +30,7 @@ Record(made.AT2, 2001 samples at 0.01 s, PGA 3.37 m/s^2)
 SampledMotion('made.AT2', 2001 samples at 0.01 s from 0 s)
 """
 
+from excitation import _early as _early  # first: it stands guard while the others are loaded
 from excitation.baseline import baseline_corrected
 from excitation.chirp import Chirp
 from excitation.combined import Combined

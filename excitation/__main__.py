@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from excitation import _early
 from excitation.formats import formats, read
 from excitation.formats.text import one_line
 from excitation.intensities import intensity
@@ -76,6 +77,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def main(arguments: list[str] | None = None) -> int:
     """Print the facts, draw the picture; 0, or 2 and a sentence on stderr if the file cannot be read, 130 on Ctrl-C."""
+    _early.loaded()
     try:
         return _shown(arguments)
     except KeyboardInterrupt:

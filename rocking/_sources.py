@@ -1,4 +1,7 @@
-"""The package's source files as they were when it was imported, so that an edit under a running process is noticed.
+"""Whether source files are still those that this process runs, so that an edit under it is noticed.
+
+Files of this package are compared with what they were when it was imported.  Of other files, as those of base motions,
+that is not known: there the functions in use are looked for in what the file holds now.
 
 Source   none, own convention
 Status   code that is compiled after such an edit is not kept (tests)
@@ -6,8 +9,11 @@ Status   code that is compiled after such an edit is not kept (tests)
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from contextlib import suppress
+from functools import lru_cache
 from pathlib import Path
+from types import CodeType
 
 
 def stamp(path: Path) -> tuple[int, int]:
@@ -22,11 +28,28 @@ for _path in Path(__file__).parent.rglob("*.py"):
         STAMPS[str(_path)] = stamp(_path)
 
 
-def edited(name: str) -> bool:
-    """Whether a source file of this package is another one than that which was imported; False for other files."""
-    if name not in STAMPS:
-        return False
+def edited(name: str, codes: Iterable[CodeType] = ()) -> bool:
+    """Whether a source file is another one than that which was imported.
+
+    codes: of functions in use; those of this file tell of a file that is not of this package.  False for what is no
+    file, as a cell of a notebook.
+    """
+    path = Path(name)
     try:
-        return stamp(Path(name)) != STAMPS[name]
-    except OSError:
+        if name in STAMPS:
+            return stamp(path) != STAMPS[name]
+        own = {code for code in codes if code.co_filename == name}
+        return bool(own) and path.is_file() and not own <= _within(path, stamp(path))
+    except (OSError, SyntaxError, ValueError):
         return True
+
+
+@lru_cache(maxsize=256)
+def _within(path: Path, _stamp: tuple[int, int]) -> frozenset[CodeType]:
+    """The code of every function in a file."""
+    found, waiting = set[CodeType](), [compile(path.read_bytes(), str(path), "exec", dont_inherit=True)]
+    while waiting:
+        inner = [constant for constant in waiting.pop().co_consts if isinstance(constant, CodeType)]
+        found.update(inner)
+        waiting += inner
+    return frozenset(found)

@@ -7,7 +7,7 @@ A file beside this one, and a package with a `__main__`, is a command; what comm
 side by side, command lines), `criteria` (thresholds of one block or column) and `families` (figures of one kind).
 """
 
-import studies._early  # noqa: F401 (first: it stands guard while the others are loaded)
+import excitation._early  # noqa: F401 (first: it stands guard while the others are loaded)
 from studies.analysis import interpolated, open
 
 __all__ = ["interpolated", "open"]

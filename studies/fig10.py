@@ -18,7 +18,7 @@ from matplotlib.patches import Polygon
 import dem
 from studies.animation.frames import FILLS, GROUND, LINE
 from studies.claims.preliminary_bounds import CLAIMS
-from studies.families.drop_test import INTERVAL, DropPlan, arguments, drop_of, plan_of
+from studies.families.numerical_stability import INTERVAL, DropPlan, arguments, drop_of, plan_of
 from studies.running.parts import Parts, Result
 from studies.running.plot import caption, new_figure
 from studies.running.statements import Finding, table

@@ -13,8 +13,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from studies.claims.preliminary_bounds import CLAIMS
-from studies.families import drop_test
-from studies.families.drop_test import DropPlan, rms
+from studies.families import numerical_stability
+from studies.families.numerical_stability import DropPlan, rms
 from studies.running.parts import Parts
 from studies.running.plot import COLOURS, caption, new_figure
 from studies.running.statements import Finding, table
@@ -24,7 +24,7 @@ from studies.running.study import Study
 def dataset(plan: DropPlan, parts: Parts) -> xr.Dataset:
     """Histories of the nine steps by the paper's rule of onset, of the nominal drop."""
     few = DropPlan(plan.height, (0.0,), plan.nine, (), plan.pivot, ("incremental",))
-    return drop_test.dataset(few, parts, "fig11").isel(trial=0, onset=0)
+    return numerical_stability.dataset(few, parts, "fig11").isel(trial=0, onset=0)
 
 
 def figure(ds: xr.Dataset) -> Figure:
@@ -68,11 +68,11 @@ STUDY = Study(
     name="fig11",
     title="Vertical displacements of a rebounding block for different time steps (Fig. 11)",
     about="A block falls on a rigid base and is thrown back: how does the time step change what is computed?",
-    plan=drop_test.plan_of,
+    plan=numerical_stability.plan_of,
     dataset=dataset,
     figures={"fig11": figure},
     check=check,
-    arguments=drop_test.arguments,
+    arguments=numerical_stability.arguments,
     example='ds.height.plot.line(x="time", col="step", col_wrap=3)',
 )
 

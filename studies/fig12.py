@@ -18,8 +18,8 @@ from matplotlib.figure import Figure
 
 from dem.drop import largest_step_as_good
 from studies.claims.preliminary_bounds import CLAIMS
-from studies.families import drop_test
-from studies.families.drop_test import DropPlan, rms
+from studies.families import numerical_stability
+from studies.families.numerical_stability import DropPlan, rms
 from studies.running.parts import Parts
 from studies.running.plot import caption, new_figure
 from studies.running.statements import Finding, listed, table
@@ -34,7 +34,7 @@ NAMES = {"incremental": "incremental (the paper's)", "overlap": "from the overla
 
 def dataset(plan: DropPlan, parts: Parts) -> xr.Dataset:
     """Differences over (trial, onset, step)."""
-    return drop_test.dataset(plan, parts, "fig12")
+    return numerical_stability.dataset(plan, parts, "fig12")
 
 
 def _five(ds: xr.Dataset) -> xr.DataArray:
@@ -132,11 +132,11 @@ STUDY = Study(
     name="fig12",
     title="Differences from the pivot for different time steps, by eq. (8) (Fig. 12)",
     about="A block falls on a rigid base and is thrown back: which time step is small enough?",
-    plan=drop_test.plan_of,
+    plan=numerical_stability.plan_of,
     dataset=dataset,
     figures={"fig12": figure},
     check=check,
-    arguments=drop_test.arguments,
+    arguments=numerical_stability.arguments,
     example='ds.difference.median("trial").plot.line(x="step", xscale="log", yscale="log")',
 )
 

@@ -31,7 +31,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from studies import _early
+from excitation import _early
 from studies.laboratory.campaign import NUISANCES, make_campaign
 from studies.laboratory.effects import NAMED, UNNAMED
 from studies.laboratory.judge import judge

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from studies._early import loaded
+from excitation._early import loaded
 from studies.running.files import NO_ROOM, BadInputError
 
 DEFAULT_OUT = Path("build") / "studies"

@@ -59,10 +59,13 @@ def test_ctrl_c_is_one_line_and_130_and_keeps_what_was_computed(tmp_path):
     whole(tmp_path / "s.nc.parts")
 
 
-def test_ctrl_c_while_the_libraries_are_loaded_is_one_line(tmp_path):
+@pytest.mark.parametrize(
+    "command", [pytest.param((*QUICK, "--out"), id="study"), pytest.param(("excitation",), id="record")]
+)
+def test_ctrl_c_while_the_libraries_are_loaded_is_one_line(command, tmp_path):
     if not os.path.exists("/proc/self/maps"):
         pytest.skip("what a process has loaded cannot be seen on this system")
-    child = faults.started(faults.command(*QUICK, "--out", tmp_path))
+    child = faults.started(faults.command(*command, tmp_path))
     maps = Path(f"/proc/{child.pid}/maps")
     faults.wait_for(lambda: "numpy" in maps.read_text(), child)
     os.kill(child.pid, signal.SIGINT)

@@ -158,3 +158,68 @@ def test_a_sweep_of_a_program_is_interrupted_between_chunks(tmp_path):
         run(sweep, tmp_path / "s.nc", workers=2, chunk_points=1, progress=False, watch=watch)
     kept = sorted(int(p.stem.split("-")[1]) for p in (tmp_path / "s.nc.parts").glob("chunk-*.nc"))
     assert kept == sorted(seen) and 3 <= len(kept) < 12
+
+
+AT_RANDOM_TIMES = """
+import random, signal, time
+import numpy as np
+{use}
+def interrupt(number, frame):
+    raise KeyboardInterrupt
+
+signal.signal(signal.SIGALRM, interrupt)
+random.seed(1)
+takes = []
+for _ in range(20):
+    begun = time.perf_counter()
+    work()
+    takes.append(time.perf_counter() - begun)
+longest, heard, tries = 1.5 * min(takes), 0, {tries}
+for _ in range(tries):
+    try:
+        signal.setitimer(signal.ITIMER_REAL, max(1e-6, longest * random.random()))
+        work()
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+    except KeyboardInterrupt:
+        heard += 1
+print(tries // 10 < heard <= tries)
+"""
+IN_PIECES = """
+import threading
+from rocking.solvers.threads import over_pieces
+
+helping = []
+def piece(first, last):
+    if threading.current_thread() is threading.main_thread():
+        return np.linalg.norm(np.ones(2000))
+    helping.append(1)
+    np.linalg.norm(np.ones(2000))
+    helping.pop()
+
+def work():
+    assert not helping, "a piece of an interrupted call is still under way"
+    over_pieces(piece, [(i, i + 1) for i in range(40)], 4)
+"""
+IN_AN_ASSEMBLY = """
+from dem import assembly_step, assembly_threads
+
+inside = []
+def advance(worker):
+    inside.append(worker)
+    while len(inside) < 3:  # as the compiled loop, each waits for the others
+        time.sleep(0.0)
+    return 7
+assembly_step.advance_assembly = advance
+
+def work():
+    inside.clear()
+    assert assembly_threads.by_workers(3, ()) == 7
+"""
+
+
+@pytest.mark.parametrize("use", [pytest.param(IN_PIECES, id="pieces"), pytest.param(IN_AN_ASSEMBLY, id="assembly")])
+def test_threads_end_wherever_the_interrupt_comes(use):
+    """In a pool of the library pieces went on, or workers waited for one that had never begun."""
+    code = AT_RANDOM_TIMES.format(use=use, tries=3000)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stdout) == (0, "True\n"), done.stderr

@@ -1,14 +1,19 @@
 """Compiled code is kept on disk: found again by the next process, and never older than the physics."""
 
+import importlib
 import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import numba
+import numpy as np
 import pytest
+from numba import types
 
 import rocking
+from rocking.solvers.numba.compiling import bound_motion
 
 RUN = {
     "method1": "Method1(Block(0.2, 0.8), g=9.81)",
@@ -107,3 +112,26 @@ def test_what_is_edited_under_a_running_process_is_not_kept(package: Path) -> No
     assert second_impact(package, "method1", change) == first
     # Kept, the old physics would be found under the digest of the new.
     assert second_impact(package, "method1") == pytest.approx(first / 2.0**0.5, rel=1e-8)
+
+
+def test_so_is_a_base_motion_of_another_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its file may have been imported at any time: what counts is whether it holds the functions that are in use."""
+    path = tmp_path / "shaking_of_mine.py"
+    path.write_text("def _wave(t):\n    return 2.0 * t\n\n\ndef kernel(xp, t, par):\n    return _wave(t), par[0]\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
+    kernel = importlib.import_module("shaking_of_mine").kernel
+    signature = types.UniTuple(types.float64, 4)(types.float64, types.float64[::1])
+    par = np.array([5.0])
+
+    assert bound_motion(kernel, None, signature)(3.0, par) == (6.0, 5.0, 0.0, 0.0)
+    kept = {p.name for p in tmp_path.rglob("*.nbi")}
+    assert len(kept) == 1
+
+    edit(path, "2.0 * t\n", "2.0 * t  # m/s^2\n")
+    assert bound_motion(kernel, None, signature)(3.0, par) == (6.0, 5.0, 0.0, 0.0)
+
+    edit(path, "2.0 * t ", "3.0 * t ")
+    with pytest.warns(RuntimeWarning, match=r"not kept: .*shaking_of_mine\.py was changed after this process began"):
+        assert bound_motion(kernel, None, signature)(3.0, par) == (6.0, 5.0, 0.0, 0.0)
+    assert {p.name for p in tmp_path.rglob("*.nbi")} <= kept

@@ -12,7 +12,7 @@ from studies import fig12
 from studies.claims.preliminary_bounds import CLAIMS
 from studies.criteria.free_vibration import fit_dashpot
 from studies.criteria.overturning import STIFFNESS
-from studies.families import drop_test
+from studies.families import numerical_stability
 from studies.fig05 import fit as fig05_fit
 from studies.fig05.fit import Released, fitted, misfit
 from studies.running.statements import DOES_NOT, HOLDS
@@ -69,9 +69,11 @@ def test_the_paper_s_step_and_eq_7_are_in_the_dataset(made):
 
 
 def test_every_step_divides_the_sampling_interval():
-    for step in (drop_test.PIVOT, *drop_test.NINE, *drop_test.MORE):
-        assert drop_test.INTERVAL / step == pytest.approx(round(drop_test.INTERVAL / step), rel=1e-12)
-    last = (drop_test.SAMPLES - 1) * drop_test.INTERVAL
+    for step in (numerical_stability.PIVOT, *numerical_stability.NINE, *numerical_stability.MORE):
+        assert numerical_stability.INTERVAL / step == pytest.approx(
+            round(numerical_stability.INTERVAL / step), rel=1e-12
+        )
+    last = (numerical_stability.SAMPLES - 1) * numerical_stability.INTERVAL
     assert last == pytest.approx(2.0, abs=1e-3)  # the paper's 2 s
 
 
@@ -84,7 +86,7 @@ def with_differences(ds, difference):
 
 
 def test_the_check_tells_a_threshold_from_a_power(made):
-    steps = np.array(drop_test.NINE)
+    steps = np.array(numerical_stability.NINE)
     power = with_differences(made["fig12"][1], 1e-8 * (steps / 1e-6) ** 2)
     threshold = with_differences(made["fig12"][1], np.where(steps <= 3.3e-6, 1e-8 * (steps / 1e-6) ** 0.5, 1e-4))
     assert int(power.statement_holds.sel(statement="fig12.lost")) == DOES_NOT

@@ -11,7 +11,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import types
+from numba import get_num_threads, types
 from numpy.typing import NDArray
 
 from rocking.hybrid import REST, Discrete, System
@@ -26,8 +26,8 @@ from rocking.solvers.numba.functions import (
     size_of,
     system_functions,
 )
-from rocking.solvers.numba.threads import over_runs
 from rocking.solvers.recording import FELL, REACHED_END, segment_edges
+from rocking.solvers.threads import over_runs
 from rocking.trajectory import BALANCE
 
 STATUS, T_END, OVERTURNING, THETA_END, PEAK, IMPACTS, ONSET, LAST_MODE = range(8)
@@ -161,7 +161,7 @@ def run_batch(
         (names.index("theta"), names.index("omega")),
         out,
     )
-    over_runs(lambda first, last: loop(*arguments, first, last), len(systems))
+    over_runs(lambda first, last: loop(*arguments, first, last), len(systems), get_num_threads())
     return {
         "fell": out[:, STATUS] == FELL,
         "failed": ~np.isin(out[:, STATUS], (FELL, REACHED_END)),

@@ -3,8 +3,8 @@
 numba's disk cache notices a change of the file that holds the compiled function, and no change of a function that it
 calls from another file.  So every compiled function here carries in its name a digest of all sources it may depend on:
 an edit leads to a new name, and the files of the old one are deleted.  A second process finds what the first compiled.
-What is compiled after sources of this package were edited under a running process is not kept: it would be old physics
-under the new name.
+What is compiled after its sources were edited under a running process is not kept: it would be old physics under the
+new name.
 """
 
 from __future__ import annotations
@@ -61,12 +61,12 @@ def make_jitable(function: Any) -> frozenset[str]:
     return _registered[function]
 
 
-def _reach(thing: Any, files: set[str], constants: dict[str, str], seen: set[int]) -> None:
+def _reach(thing: Any, files: set[str], constants: dict[str, str], seen: dict[int, Any]) -> None:
     """Gather what compiled code takes from `thing`: source files of functions, types and modules, and constants."""
     function = getattr(thing, "py_func", thing)
     if id(function) in seen:
         return
-    seen.add(id(function))
+    seen[id(function)] = function
     if isinstance(function, type | ModuleType):
         module = sys.modules.get(function.__module__) if isinstance(function, type) else function
         if module is not None and module.__name__.partition(".")[0] == rocking.__name__:
@@ -93,14 +93,15 @@ def _content(name: str) -> bytes:
     return path.read_bytes() if path.is_file() else name.encode()
 
 
-def _digest(body: Any, files: Iterable[str]) -> tuple[str, list[str]]:
-    """A short digest of all sources and constants that a function may depend on, and the files of the sources."""
-    reached, constants = {__file__, *files}, dict[str, str]()
-    _reach(body, reached, constants, set())
+def _digest(body: Any, files: Iterable[str]) -> tuple[str, list[str], list[CodeType]]:
+    """A short digest of all sources and constants that a function may depend on; the files, the functions' code."""
+    reached, constants, seen = {__file__, *files}, dict[str, str](), dict[int, Any]()
+    _reach(body, reached, constants, seen)
     digest = hashlib.sha256(repr(sorted(constants.items())).encode())
     for name in sorted(reached):
         digest.update(_content(name))
-    return digest.hexdigest()[:12], sorted(reached)
+    codes = [thing.__code__ for thing in seen.values() if isinstance(thing, FunctionType)]
+    return digest.hexdigest()[:12], sorted(reached), codes
 
 
 def _importable(function: Any) -> bool:
@@ -130,8 +131,8 @@ def compiled(
     keep=False compiles for this process alone: for functions that another process could not find by name.
     parallel=True spreads loops over `prange` over the cores.
     """
-    digest, sources = _digest(body, files)
-    changed = next((name for name in sources if keep and edited(name)), None)
+    digest, sources, codes = _digest(body, files)
+    changed = next((name for name in sources if keep and edited(name, codes)), None)
     if changed is not None:
         warnings.warn(EDITED.format(changed), RuntimeWarning, stacklevel=2)
         keep = False

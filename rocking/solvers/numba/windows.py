@@ -12,7 +12,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import types
+from numba import get_num_threads, types
 from numpy.typing import NDArray
 
 from rocking.hybrid import Discrete, System
@@ -27,8 +27,8 @@ from rocking.solvers.numba.functions import (
     size_of,
     system_functions,
 )
-from rocking.solvers.numba.threads import over_runs
 from rocking.solvers.recording import FELL, REACHED_END, segment_edges
+from rocking.solvers.threads import over_runs
 
 Array = NDArray[np.float64]
 
@@ -172,6 +172,6 @@ def run_windows(
         s,
         ends,
     )
-    over_runs(lambda begin, end: loop(*arguments, begin, end), len(starts))
+    over_runs(lambda begin, end: loop(*arguments, begin, end), len(starts), get_num_threads())
     status = ends[:, 0]
     return Samples(y, mode, s, status == FELL, ~np.isin(status, (FELL, REACHED_END)), ends[:, 1], ends[:, 2])

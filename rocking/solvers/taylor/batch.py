@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -31,6 +30,7 @@ from rocking.solvers.taylor.columns import (
     SIDE,
 )  # fmt: skip
 from rocking.solvers.taylor.records import Samples, joined
+from rocking.solvers.threads import over_pieces
 
 Array = NDArray[np.float64]
 
@@ -57,12 +57,10 @@ def carry_portions(
     rows, threads = np.empty((count, COLUMNS)), workers or os.cpu_count() or 1
     portion = max(64, min(PORTION, -(-count // (4 * threads))))
 
-    def carry(first: int) -> None:
-        stop = min(first + portion, count)
+    def carry(first: int, stop: int) -> None:
         kernel(*part(first, stop), *(record or ()), max_events, rows[first:stop], np.empty(0), 0)
 
-    with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(carry, range(0, count, portion)))
+    over_pieces(carry, [(first, min(first + portion, count)) for first in range(0, count, portion)], threads)
     return rows
 
 

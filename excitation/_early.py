@@ -1,4 +1,4 @@
-"""Ctrl-C while `python -m studies...` still loads its libraries, which takes a second or two: one line, no traceback.
+"""Ctrl-C while `python -m excitation` or `python -m studies...` loads its libraries, a second or two: one line alone.
 
 Source   none; `sys.argv[0]` is "-m" as long as the module that is to be run is looked for, hence in no other process
 Status   interrupted while loading (tests); the exit status is that of SIGINT, 130 in a shell

@@ -1,0 +1,78 @@
+"""Compiled loops over runs, spread over the cores in threads, and stopped by Ctrl-C between two pieces.
+
+The compiled code releases the interpreter lock.  numba's own parallel loops cannot take functions in a tuple (hooks)
+and compile for longer; besides, what runs in pieces can be interrupted between them.
+
+The thread that calls waits without a lock of Python's: a KeyboardInterrupt between the taking of one, as a future has,
+and the `with` that is to give it back leaves it taken, and then a worker waits for it, and the caller for the worker.
+"""
+
+from __future__ import annotations
+
+import _thread
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+
+PIECES_PER_THREAD = 8
+"""So many pieces even out runs of different length."""
+
+SHORTEST_PIECE = 4
+"""Runs of a piece; fewer would not pay for handing them over."""
+
+SHORTEST_LOOK, LONGEST_LOOK = 5e-5, 2e-3
+"""Seconds between two looks whether the other threads have ended; they grow as it takes longer."""
+
+
+def over_runs(piece: Callable[[int, int], None], count: int, threads: int) -> None:
+    """Call `piece(first, last)` for pieces that cover 0 to `count`, on so many threads."""
+    size = max(SHORTEST_PIECE, -(-count // (threads * PIECES_PER_THREAD)))
+    over_pieces(piece, [(first, min(first + size, count)) for first in range(0, count, size)], threads)
+
+
+def over_pieces(piece: Callable[[int, int], None], bounds: Sequence[tuple[int, int]], threads: int) -> None:
+    """Call `piece(first, last)` for all of `bounds`, on so many threads, of which this one is the first.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C; the pieces under way are ended, the others not begun.
+        Exception: what the first piece that failed raised; so too.
+    """
+    waiting, failed = deque(bounds), list[BaseException]()
+    begun, ended, closed = list[int](), list[int](), list[int]()
+
+    def work() -> None:
+        try:
+            while True:
+                try:
+                    first, last = waiting.popleft()
+                except IndexError:
+                    return
+                piece(first, last)
+        except BaseException as error:
+            failed.append(error)
+            waiting.clear()
+
+    def help_out() -> None:
+        begun.append(1)
+        if not closed:
+            work()
+        ended.append(1)
+
+    def close() -> None:
+        closed.append(1)  # who begins from here on does nothing
+        look = SHORTEST_LOOK
+        while len(ended) < len(begun):
+            time.sleep(look)
+            look = min(1.5 * look, LONGEST_LOOK)
+
+    try:
+        for _ in range(min(threads, len(bounds)) - 1):
+            _thread.start_new_thread(help_out, ())
+        work()
+        close()
+    except BaseException:
+        waiting.clear()
+        close()
+        raise
+    if failed:
+        raise failed[0]
