@@ -1,9 +1,9 @@
 """Learned term: what is left when no effect with a name explains a measurement.
 
 Adds        theta'' += bias + side s + spring theta + cubic theta^3 + friction f(omega) + damping omega
-            + side_damping s omega + drag |omega| omega + cubic_damping omega^3 + base a_x,
-            f(omega) = omega / sqrt(omega^2 + 0.01^2); e += restitution_side s + restitution_speed |omega|
-            + restitution_square omega^2
+            + side_damping s omega + drag |omega| omega + cubic_damping omega^3 + base a_x
+            + structural |theta| f(omega), f(omega) = omega / sqrt(omega^2 + 0.01^2);
+            e += restitution_side s + restitution_speed |omega| + restitution_square omega^2
 Parameters  coefficients of these terms, in SI units of an angular acceleration or of restitution; 0 where absent
 Use when    a term is wanted that says how the residual looks, not what it comes from
 Limits      no memory and no further freedom; outside of what was measured it says nothing
@@ -26,7 +26,7 @@ SMOOTH = 0.01
 def torque(xp: Any, theta: Any, omega: Any, s: Any, base: Any, values: Any) -> Any:
     """The expansion in rotation, speed, side and base motion [rad/s^2]."""
     rest = values[0] + values[1] * s + values[2] * theta + values[3] * theta * theta * theta + values[9] * base.a_x
-    rubbing = values[4] * omega / xp.sqrt(omega * omega + SMOOTH * SMOOTH)
+    rubbing = (values[4] + values[13] * xp.abs(theta)) * omega / xp.sqrt(omega * omega + SMOOTH * SMOOTH)
     speed = values[5] + values[6] * s + values[7] * xp.abs(omega) + values[8] * omega * omega
     return rest + rubbing + speed * omega
 
@@ -53,6 +53,7 @@ class LearnedTerm(Effect):
     restitution_side: float = 0.0
     restitution_speed: float = 0.0
     restitution_square: float = 0.0
+    structural: float = 0.0
 
     name: ClassVar[str] = "learned_term"
     units: ClassVar[dict[str, str]] = {
@@ -69,6 +70,7 @@ class LearnedTerm(Effect):
         "restitution_side": "1",
         "restitution_speed": "s/rad",
         "restitution_square": "s^2/rad^2",
+        "structural": "1/s^2",
     }
     acceleration = staticmethod(torque)
     restitution = staticmethod(loss)

@@ -26,7 +26,7 @@ from studies.loop.settling import Settled, gain, intervals, settle, whole_fit
 from studies.loop.spread import floor, variances
 from studies.loop.tracing import LEAST_GAIN, PAYS, Round, Trial, all_candidates, baseline, bic, pays, search
 from studies.loop.whole_records import asked, explains_more
-from studies.loop.windows import SIDE, scored_window
+from studies.loop.windows import PEAK_OVER_NOISE, SIDE, scored_window
 
 Array = NDArray[np.float64]
 Tell = Callable[[str], None]
@@ -36,6 +36,9 @@ STANDARD_GRAVITY = 9.81
 """Gravity [m/s^2] where the laboratory does not say its own."""
 
 MOST_EFFECTS = 3
+
+MOST_EFFECTS_COSTLY = 2
+"""The same where runs take long."""
 
 NOTHING_LEFT = 1.02
 """Rms over the noise in the swings below which no third effect is looked for."""
@@ -170,6 +173,8 @@ def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[R
     for depth in range(MOST_EFFECTS):
         if depth > 1 and path[-1].swing.rms < NOTHING_LEFT:
             break
+        if depth >= MOST_EFFECTS_COSTLY and path[-1].costly:
+            break
         tell(f"tracing, round {depth + 1}")
         tried = search(setup.simulator, path[-1], pool, tell)
         accepted: tuple[Trial, Fit] | None = None
@@ -204,7 +209,7 @@ def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[R
 
 def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Trial, Verdict]:
     """The trial to keep: the named effects if they leave nothing, else with what was learned of the rest."""
-    structured = _over_noise(named) > _structure(setup)
+    structured = _over_noise(setup, named) > _structure(setup)
     if not structured and len(named.parts) < 2:
         return named, "effect" if named.parts else "none"
     tell("learning what no effect explains")
@@ -213,7 +218,7 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
     best = min(routes, key=lambda t: bic(t.swing))
     learned = any(part.effect == LEARNED for part in best.parts)
     if not learned or bic(best.swing) > bic(named.swing) - (PAYS if structured else 0.0):
-        if _over_noise(named) > _unexplained(setup):
+        if _over_noise(setup, named) > _unexplained(setup):
             return named, "unexplained"
         return named, "effect" if named.parts else "none"
     if bic(routes[0].swing) < bic(best.swing) + PAYS:
@@ -236,17 +241,22 @@ def _declared(campaign: Campaign, g: float) -> LoopModel:
     return replace(model, restitution=min(max(housner, 0.05), 1.0))
 
 
-def _over_noise(trial: Trial) -> float:
+def _over_noise(setup: Setup, trial: Trial) -> float:
     """Rms of the swings over what is left of pure noise once each window has fitted its two states.
 
-    Where a block slips, some windows begin with a slip that could not be carried over to them as it was: of those
-    trials it is the median over the windows, so that structure has to be in half of them to be seen.
+    Swings that the trial itself takes for less than one are left out, as they would have been from the beginning: with
+    the zero of a sensor off, a hop at rest looks like a swing, and hangs on the noise of the base.  Where a block
+    slips, some windows begin with a slip that could not be carried over to them as it was: of those trials it is the
+    median over the windows, so that structure has to be in half of them to be seen.
     """
     swing = trial.swing
     if any(part.slips for part in trial.parts):
         return math.sqrt(float(np.median([r @ r / max(r.size - 2, 1) for r in swing.residuals])))
-    free = 2 * len(swing.windows) + len(swing.parameters)
-    return swing.rms / math.sqrt(max(1.0 - free / max(swing.samples, 1), 0.1))
+    least = {record.test: PEAK_OVER_NOISE * record.noise for record in setup.records}
+    left = [r for r, w in zip(swing.residuals, swing.windows, strict=True) if abs(w.theta) > least[w.test]]
+    samples = sum(r.size for r in left)
+    free = 2 * len(left) + len(swing.parameters)
+    return math.sqrt(sum(float(r @ r) for r in left) / max(samples - free, 0.1 * samples, 1.0))
 
 
 def _structure(setup: Setup) -> float:

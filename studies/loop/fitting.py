@@ -148,7 +148,30 @@ def linearised(
     central: False for one-sided differences everywhere, which cost half and serve a step of a fit.
     read: what the channels read there, if that is known.
     """
-    weights, n = [w.weights for w in windows], len(windows)
+    n = len(windows)
+    models, ends = _about(model, parameters, central)
+    known = [] if read is None else [*read]
+    jobs = [job for k in range(0 if read is None else 1, len(models)) for job in jobs_of(windows, k)]
+    shifts = [(THETA_STEP, 0.0), (0.0, OMEGA_STEP)]
+    shifts += [(-theta, -omega) for theta, omega in shifts] if central else []
+    for theta, omega in shifts:
+        jobs += jobs_of(windows, 0, theta, omega)
+    count = len(models) + len(shifts)
+    every = known + observe(simulator, models, jobs, [*windows] * (count - (read is not None)))
+    r = _left(every, windows, count)
+    first = len(models)
+    state = [(first, first + 2 if central else 0, THETA_STEP), (first + 1, first + 3 if central else 0, OMEGA_STEP)]
+    width = 2.0 if central else 1.0
+    by_state = [
+        np.column_stack([(r[a][i] - r[b][i]) / (width * step) for a, b, step in state]) for i in range(n)
+    ]  # fmt: skip
+    return Linear(r[0], _slopes(r, ends), by_state)
+
+
+def _about(
+    model: LoopModel, parameters: Sequence[Parameter], central: bool
+) -> tuple[list[LoopModel], list[tuple[int, int, float]]]:
+    """A model and those a difference away; for each parameter the two to take apart, and how far they are apart."""
     models, ends = [model], []
     for p in parameters:
         at = p.inner(model.get(p.name))
@@ -160,31 +183,27 @@ def linearised(
             place.append(0 if value == model.get(p.name) else len(models))
             models += [model.changed({p.name: value})] if place[-1] else []
         ends.append((place[0], place[1], p.inner(up) - p.inner(down)))
-    known = [] if read is None else [*read]
-    jobs = [job for k in range(0 if read is None else 1, len(models)) for job in jobs_of(windows, k)]
-    shifts = [(THETA_STEP, 0.0), (0.0, OMEGA_STEP)]
-    shifts += [(-theta, -omega) for theta, omega in shifts] if central else []
-    for theta, omega in shifts:
-        jobs += jobs_of(windows, 0, theta, omega)
-    count = len(models) + len(shifts)
-    every = known + observe(simulator, models, jobs, [*windows] * (count - (read is not None)))
-    r = [[(w.data - every[k * n + i]) * weights[i] for i, w in enumerate(windows)] for k in range(count)]
+    return models, ends
+
+
+def _left(read: Sequence[Array], windows: Sequence[Window], count: int) -> list[list[Array]]:
+    """Weighted residuals of so many runs of all windows."""
+    n = len(windows)
+    r = [[(w.data - read[k * n + i]) * w.weights for i, w in enumerate(windows)] for k in range(count)]
     for i in (i for i, w in enumerate(windows) if w.sides is not None):
         # What one of the runs cannot compare, none does: a derivative would mistake it for a jump.
         apart = np.any([np.isnan(r[k][i]) for k in range(count)], axis=0)
         for k in range(count):
             r[k][i] = np.where(apart, 1.0, r[k][i])
-    first = len(models)
-    state = [(first, first + 2 if central else 0, THETA_STEP), (first + 1, first + 3 if central else 0, OMEGA_STEP)]
-    width = 2.0 if central else 1.0
-    by_parameters = [
+    return r
+
+
+def _slopes(r: Sequence[Sequence[Array]], ends: Sequence[tuple[int, int, float]]) -> list[Array]:
+    """Derivatives by the parameters, by window, shape (sample, parameter)."""
+    return [
         np.column_stack([(r[a][i] - r[b][i]) / side for a, b, side in ends]) if ends else np.zeros((r[0][i].size, 0))
-        for i in range(n)
-    ]  # fmt: skip
-    by_state = [
-        np.column_stack([(r[a][i] - r[b][i]) / (width * step) for a, b, step in state]) for i in range(n)
-    ]  # fmt: skip
-    return Linear(r[0], by_parameters, by_state)
+        for i in range(len(r[0]))
+    ]
 
 
 def _weights(r: Sequence[Array], huber: float, whole: bool) -> Array:
@@ -514,14 +533,25 @@ def gains(
         candidates: parameters by candidate.
         model_of: for each candidate the model with its effect in it, at its absent value.
         huber: as of the fit.
+
+    Returns:
+        The gain by candidate; infinite for one that does not run at its absent value or a difference away from it.
     """
-    weights = _weights(fitted.residuals, huber, False)
-    out = {}
+    weights, windows = _weights(fitted.residuals, huber, False), fitted.windows
+    plain = linearised(simulator, fitted.model, fitted.parameters, windows)
+    k, out = len(fitted.parameters), {}
     for name, parameters in candidates.items():
-        every = (*fitted.parameters, *parameters)
-        lin = linearised(simulator, model_of[name], every, fitted.windows)
-        matrix, gradient, _ = _reduced(lin, fitted.windows, weights)
-        k = len(fitted.parameters)
+        try:
+            models, ends = _about(model_of[name], parameters, True)
+            if all(up and down for up, down, _ in ends):  # no slope is one-sided
+                models, ends = models[1:], [(up - 1, down - 1, side) for up, down, side in ends]
+            read = [x for model in models for x in _read(simulator, model, windows)]
+        except ValueError:
+            out[name] = math.inf
+            continue
+        own = _slopes(_left(read, windows, len(models)), ends)
+        both = [np.hstack(pair) for pair in zip(plain.by_parameters, own, strict=True)]
+        matrix, gradient, _ = _reduced(Linear(plain.residuals, both, plain.by_state), windows, weights)
         inverse = np.linalg.pinv(matrix[:k, :k]) if k else np.zeros((0, 0))
         left = matrix[k:, k:] - matrix[k:, :k] @ inverse @ matrix[:k, k:]
         g = gradient[k:] - matrix[k:, :k] @ inverse @ gradient[:k]

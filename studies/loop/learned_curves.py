@@ -63,6 +63,11 @@ PARTS = {
             "drag": lambda x: np.abs(x) * x, "cubic_damping": lambda x: x**3,
         },
     ),
+    "structural": _Part(
+        "Torque along the motion against rotation",
+        "An angular acceleration in the direction of the motion, against it where negative, whatever the speed.",
+        "rotation [rad]", TORQUE, {"structural": np.abs},
+    ),
     "base": _Part(
         "Torque against base acceleration", "An angular acceleration in step with the base.",
         "base acceleration [m/s²]", TORQUE, {"base": lambda x: x},
@@ -111,7 +116,7 @@ def _curve(
 def _reach(setup: Setup, key: str) -> float:
     """How far the campaign went along an axis."""
     rotation = max(float(np.nanmax(np.abs(record.rotation))) for record in setup.records)
-    if key == "rotation":
+    if key in ("rotation", "structural"):
         return rotation
     if key == "base":
         bases = [t.base_x for t in setup.campaign.tests if t.base_x is not None]

@@ -25,6 +25,9 @@ LEAST_GAIN = 0.03
 
 MOST_TERMS = 4
 
+MOST_TERMS_COSTLY = 2
+"""The same beside effects whose runs take long."""
+
 LEARNED = "learned_term"
 
 
@@ -47,6 +50,7 @@ def terms(block: DeclaredBlock) -> tuple[Candidate, ...]:
         "restitution_side": 0.01,
         "restitution_speed": 0.01 / omega,
         "restitution_square": 0.01 / omega**2,
+        "structural": torque / alpha,
     }
     found = [_term(f"{LEARNED}.{name}", size) for name, size in sizes.items()]
     return (*found, _term(DRIFT, 0.002))
@@ -62,7 +66,7 @@ def learn(simulator: Simulator, onto: Trial, tell: Callable[[str], None]) -> Tri
     """The trial with the coefficients that pay; itself if none does."""
     current = onto
     pool = terms(onto.swing.model.declared)
-    for _ in range(MOST_TERMS):
+    for _ in range(MOST_TERMS_COSTLY if onto.costly else MOST_TERMS):
         open_to_it = [c for c in pool if c.name not in current.names]
         tried = search(simulator, current, open_to_it, tell, repeated=True)
         best = tried.best

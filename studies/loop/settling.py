@@ -31,9 +31,6 @@ NEIGHBOURS = 11
 ENDED = 4
 """So many of these fits, the best, are ended."""
 
-FEW = 3
-"""Starts where a run takes long; the best of these fits alone is ended."""
-
 SAME = 3.0
 """Minima closer than this many standard deviations are one."""
 
@@ -147,12 +144,13 @@ def _while_predictable(setup: Setup, trial: Trial, whole: Fit) -> list[Fit]:
     windows, fits = predictable(whole.windows), []
     if not windows:
         return []
-    starts, ended = (FEW, 1) if trial.costly else (NEIGHBOURS, ENDED)
-    named = [part for part in trial.parts if part.in_swings and part.effect != LEARNED]
+    # Where a run takes long, either estimate alone is a start.
+    ended = 1 if trial.costly else ENDED
+    named = [part for part in trial.parts if part.in_swings and part.effect != LEARNED and not trial.costly]
     about: list[LoopModel] = []
     if named:
         sure = sensor_covariance(setup.simulator, trial.swing)
-        about = [model for part in named for model in neighbours(trial.swing, sure, part.parameters[0], starts)]
+        about = [model for part in named for model in neighbours(trial.swing, sure, part.parameters[0], NEIGHBOURS)]
     for model in (whole.model, trial.swing.model, *about):
         leans = fit_records(setup.simulator, model, [], windows, iterations=4)
         fits.append(fit(setup.simulator, model, trial.every, leans.windows, whole=True, iterations=4, central=True))

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -40,6 +41,9 @@ SOME = 50
 
 SOME_COSTLY = 16
 """The same where a run takes long."""
+
+MOST_COSTLY = 3
+"""Candidates on top of a trial whose runs take long that are fitted to all windows: those that explain most on some."""
 
 NOTHING = 0.05
 """A gain on some of the windows below this share of `PAYS` promises nothing."""
@@ -146,7 +150,7 @@ def search(
     """Refit every candidate that may pay on top of a trial, those that lead nowhere not to the end.
 
     All starts are tried on some of the windows, the best of each candidate on all of them, and those that come near the
-    best of all are fitted until they converge.
+    best of all are fitted until they converge.  Where runs take long, a few candidates alone get beyond the first step.
 
     repeated: whether an effect that is there already may be tried in another form.
     """
@@ -156,32 +160,36 @@ def search(
     ranked = sorted(scores.items(), key=lambda item: -item[1])
     enough = NEAR * ranked[0][1] if ranked else 0.0
     chosen = {name for k, (name, score) in enumerate(ranked) if k < SHORTLIST or score > enough}
-    begun = []
+    firsts = []
     for candidate in open_to_it:
         if candidate.smooth and candidate.name not in chosen:
             found.skipped[candidate.name] = f"score {scores.get(candidate.name, 0.0):.3g}"
             continue
         tell(candidate.name)
-        first = _begun(simulator, onto, candidate)
+        first = _on_some(simulator, onto, candidate)
         if isinstance(first, str):
             found.skipped[candidate.name] = first
         else:
-            begun.append((candidate, first))
+            firsts.append((candidate, first))
+    if onto.costly:
+        firsts.sort(key=lambda pair: -pair[1].gained)
+        for candidate, _ in firsts[MOST_COSTLY:]:
+            found.skipped[candidate.name] = f"{MOST_COSTLY} others explain more of some windows; runs take long"
+        firsts = firsts[:MOST_COSTLY]
+    begun = [(candidate, _on_all(simulator, onto, candidate, first)) for candidate, first in firsts]
     ended = _ended(simulator, onto, begun, tell)
     found.trials += [onto.with_(c, swing, scores.get(c.name, math.nan)) for c, swing in ended]
     return found
 
 
 def _scores(simulator: Simulator, onto: Trial, smooth: Sequence[Candidate]) -> dict[str, float]:
-    model = onto.swing.model
-    out: dict[str, float] = {}
+    """Of each candidate; infinite where it cannot be had at nothing: only a refit can tell."""
+    models: dict[str, LoopModel] = {}
     for c in smooth:
-        try:
-            with_it = model.changed(_nothing(onto, c))
-            out |= gains(simulator, onto.swing, {c.name: c.parameters}, {c.name: with_it})
-        except ValueError:
-            out[c.name] = math.inf  # it cannot be had at nothing: only a refit can tell
-    return out
+        with suppress(ValueError):
+            models[c.name] = onto.swing.model.changed(_nothing(onto, c))
+    found = gains(simulator, onto.swing, {c.name: c.parameters for c in smooth if c.name in models}, models)
+    return {c.name: found.get(c.name, math.inf) for c in smooth}
 
 
 def _nothing(onto: Trial, candidate: Candidate) -> dict[str, float]:
@@ -189,13 +197,22 @@ def _nothing(onto: Trial, candidate: Candidate) -> dict[str, float]:
     return candidate.nothing if candidate.effect in onto.effects else candidate.absent(onto.swing.model.declared)
 
 
-def _begun(simulator: Simulator, onto: Trial, candidate: Candidate) -> Fit | str:
-    """The best of the fits from all starts after a few steps, on all windows, or why there is none."""
+@dataclass(frozen=True)
+class _First:
+    """The best start of a candidate on some of the windows."""
+
+    model: LoopModel
+    parameters: tuple[Parameter, ...]
+    gained: float  # by how much chi-square of these windows fell
+
+
+def _on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> _First | str:
+    """The best of the fits from all starts after a few steps, or why there is none."""
     # Friction gives way in few of the windows: some of them may hold none.
     some_of = SOME_COSTLY if candidate.costly or onto.costly else SOME
     every = 1 if candidate.slips else max(1, len(onto.swing.windows) // some_of)
     some = onto.swing.windows[::every]
-    parameters = [*onto.calibrated_with(candidate), *onto.parameters, *candidate.parameters]
+    parameters = (*onto.calibrated_with(candidate), *onto.parameters, *candidate.parameters)
     best: Fit | None = None
     reason = "no start led anywhere"
     nothing = _nothing(onto, candidate)
@@ -213,11 +230,16 @@ def _begun(simulator: Simulator, onto: Trial, candidate: Candidate) -> Fit | str
     if best is None:
         return reason
     before = float(objectives(onto.swing.residuals[::every], some, HUBER).sum())
-    promising = best.chi2 < before - NOTHING * PAYS
+    return _First(best.model, parameters, before - best.chi2)
+
+
+def _on_all(simulator: Simulator, onto: Trial, candidate: Candidate, first: _First) -> Fit:
+    """The candidate fitted to all windows by a few steps from its best start."""
     whole = onto.swing.windows
     if not candidate.smooth:
-        whole = tuple(_afresh(simulator, best.model, whole))
-    return fit(simulator, best.model, parameters, whole, iterations=4 if promising else 1)
+        whole = tuple(_afresh(simulator, first.model, whole))
+    promising = first.gained > NOTHING * PAYS
+    return fit(simulator, first.model, first.parameters, whole, iterations=4 if promising else 1)
 
 
 def _afresh(simulator: Simulator, model: LoopModel, windows: Sequence[Window]) -> list[Window]:

@@ -19,7 +19,7 @@ from studies.loop.model import RESTITUTION
 from studies.loop.preparing import Setup
 from studies.loop.rivals import Rival
 from studies.loop.scoring import errors
-from studies.loop.settling import FEW, gain, neighbours, predictable, whole_fit
+from studies.loop.settling import gain, neighbours, predictable, whole_fit
 from studies.loop.tracing import PAYS, Round, Trial, bic
 
 LEAST_OF_A_SCAN = 0.15
@@ -177,10 +177,12 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round) -> tuple[Rival, 
     some = [windows[i] for i in telling]
     found = []
     for trial in hints(onto, tried):
-        sure = sensor_covariance(setup.simulator, trial.swing)
+        models = [trial.swing.model]
+        if not trial.costly:
+            sure = sensor_covariance(setup.simulator, trial.swing)
+            models = neighbours(trial.swing, sure, trial.parts[-1].parameters[0], STARTS)
         begun = [
-            fit(setup.simulator, model, trial.every, some, whole=True, iterations=4, central=True)
-            for model in neighbours(trial.swing, sure, trial.parts[-1].parameters[0], FEW if trial.costly else STARTS)
+            fit(setup.simulator, model, trial.every, some, whole=True, iterations=4, central=True) for model in models
         ]
         if not begun:
             continue

@@ -40,6 +40,7 @@ PRESENT: dict[str, dict[str, float]] = {
         "restitution_side": 0.01,
         "restitution_speed": -0.02,
         "restitution_square": 0.01,
+        "structural": -0.3,
     },
     "mass_distribution": {"height": 0.45, "inertia": 6.0},
     "quadratic_drag": {"coefficient": 0.8},
