@@ -247,9 +247,17 @@ def _afresh(simulator: Simulator, model: LoopModel, windows: Sequence[Window]) -
 
     A model that lacks an effect bends the states to what it can do; they are then no place to try the effect from.
     """
-    seen = [w if w.seen is None else w.moved(w.seen.theta, w.seen.omega) for w in windows]
+    seen = [_as_seen(model, w) for w in windows]
     fitted, plain = (objectives(residuals(simulator, model, each), each, HUBER) for each in (windows, seen))
     return [s if b < a else w for w, s, a, b in zip(windows, seen, fitted, plain, strict=True)]
+
+
+def _as_seen(model: LoopModel, window: Window) -> Window:
+    """The window from the state that the record shows, as the model takes its sensor; as it is where there is none."""
+    if window.seen is None:
+        return window
+    zero, gain = float(model.reading(0.0)), float(model.reading(1.0)) - float(model.reading(0.0))
+    return window.moved((window.seen.theta - zero) / gain, window.seen.omega / gain)
 
 
 def _ended(
@@ -262,13 +270,37 @@ def _ended(
     near = lowest + max(HOPEFUL * (onto.swing.chi2 - lowest), PAYS)
     out = []
     for candidate, first in begun:
-        if first.converged or first.chi2 > near:
+        if first.chi2 > near:
             out.append((candidate, first))
             continue
-        tell(f"{candidate.name}, to the end")
-        swing = fit(simulator, first.model, first.parameters, first.windows, iterations=12)
-        out.append((candidate, swing if swing.chi2 <= first.chi2 else first))
+        swing = first
+        if not first.converged:
+            tell(f"{candidate.name}, to the end")
+            further = fit(simulator, first.model, first.parameters, first.windows, iterations=12)
+            swing = further if further.chi2 <= first.chi2 else first
+        out.append((candidate, _with_lost_found(simulator, swing)))
     return out
+
+
+def _with_lost_found(simulator: Simulator, found: Fit) -> Fit:
+    """The fit with windows that are missed by far begun again from the states that the record shows.
+
+    Without the effect their states were bent to what the block could do, and some stay in a minimum of their own.
+    """
+    lost = np.flatnonzero(found.by_window > HUBER)
+    if not lost.size:
+        return found
+    there = [found.windows[i] for i in lost]
+    again = fit(simulator, found.model, [], [_as_seen(found.model, w) for w in there], iterations=8)
+    now = objectives([found.residuals[i] for i in lost], there, HUBER)
+    better = objectives(again.residuals, again.windows, HUBER) < now
+    if not better.any():
+        return found
+    windows = list(found.windows)
+    for i, window, is_better in zip(lost, again.windows, better, strict=True):
+        windows[i] = window if is_better else windows[i]
+    whole = fit(simulator, found.model, found.parameters, windows, iterations=6)
+    return whole if whole.chi2 < found.chi2 else found
 
 
 def all_candidates(model: LoopModel) -> tuple[Candidate, ...]:
