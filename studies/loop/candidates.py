@@ -36,7 +36,8 @@ class Candidate:
     slips: bool = False  # whether a window begins with a slip that no rotation shows and that is carried over to it
     scanned: tuple[Mapping[str, float], ...] = ()  # values at which whole records are tried where swings do not tell
     replaces_restitution: bool = False  # whether the loss of an impact follows from its own parameters
-    costly: bool = False  # whether a run takes tens of times as long as that of a rigid block: fewer starts are tried
+    costly: bool = False  # whether a run takes tens of times as long as that of a rigid block: fewer rivals are tried
+    scouts: tuple[str, ...] = ()  # parameters fitted from each start, the others from the best few alone; all if empty
 
     @property
     def nothing(self) -> dict[str, float]:
@@ -95,19 +96,21 @@ def _of_the_block(block: DeclaredBlock) -> tuple[Candidate, ...]:
 def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
     weight = block.mass * G_STANDARD
     moment = 0.5 * weight * block.breadth
-    # Corners pressed in by a thousandth to a hundred-thousandth of the breadth under the weight.
-    soft = [weight / (sink * block.breadth) for sink in (2e-3, 2e-4, 2e-5)]
+    # Corners pressed in by a thousandth to a hundred-thousandth of the breadth under the weight, and all but held in
+    # place along the floor.  The sum of squares has minima in the stiffness less than a factor of two apart.
+    soft = [float(weight / (sink * block.breadth)) for sink in np.geomspace(2e-3, 2e-5, 13)]
     floors = tuple(
         Candidate(
             label, "compliant_base",
             (
-                Parameter("compliant_base.corner_stiffness", 0.3, 1e-3 * soft[0], 10.0 * soft[2], True),
+                Parameter("compliant_base.corner_stiffness", 0.3, 1e-3 * soft[0], 10.0 * soft[-1], True),
                 Parameter("compliant_base.damping_ratio", 0.3, 1e-3, 2.0, True),
-                Parameter("compliant_base.tangential_ratio", 0.5, 0.05, 10.0, True),
+                Parameter("compliant_base.tangential_ratio", 0.5, 0.05, 100.0, True),
             ),
-            tuple({"compliant_base.corner_stiffness": k, "compliant_base.damping_ratio": 0.15,
-                   "compliant_base.tangential_ratio": 5.0} for k in soft),
+            tuple({"compliant_base.corner_stiffness": k, "compliant_base.damping_ratio": 0.12,
+                   "compliant_base.tangential_ratio": 20.0} for k in soft),
             {"compliant_base.spread": spread}, smooth=False, replaces_restitution=True, costly=True,
+            scouts=("compliant_base.damping_ratio",),
         )
         for label, spread in (("compliant_base", 0.0), ("compliant_base[bed]", 1.0))
     )  # fmt: skip

@@ -45,6 +45,9 @@ SOME_COSTLY = 16
 MOST_COSTLY = 3
 """Candidates on top of a trial whose runs take long that are fitted to all windows: those that explain most on some."""
 
+SCOUTED = 2
+"""Starts of a candidate with scouts from which all of its parameters are fitted."""
+
 NOTHING = 0.05
 """A gain on some of the windows below this share of `PAYS` promises nothing."""
 
@@ -213,7 +216,8 @@ def _on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> _First 
     every = 1 if candidate.slips else max(1, len(onto.swing.windows) // some_of)
     some = onto.swing.windows[::every]
     parameters = (*onto.calibrated_with(candidate), *onto.parameters, *candidate.parameters)
-    best: Fit | None = None
+    scouts = tuple(p for p in candidate.parameters if p.name in candidate.scouts)
+    begun: list[Fit] = []
     reason = "no start led anywhere"
     nothing = _nothing(onto, candidate)
     least = {RESTITUTION: max(onto.swing.model.restitution, candidate.least_restitution)}
@@ -221,14 +225,15 @@ def _on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> _First 
         try:
             model = onto.swing.model.changed({**least, **candidate.fixed, **start})
             windows = some if candidate.smooth else _afresh(simulator, model, some)
-            found = fit(simulator, model, parameters, windows, iterations=3)
+            begun.append(fit(simulator, model, scouts or parameters, windows, iterations=3))
         except ValueError as refusal:
             reason = str(refusal)
-            continue
-        if best is None or found.chi2 < best.chi2:
-            best = found
-    if best is None:
+    begun.sort(key=lambda f: f.chi2)
+    if not begun:
         return reason
+    if scouts:
+        begun = [fit(simulator, f.model, parameters, f.windows, iterations=3) for f in begun[:SCOUTED]]
+    best = min(begun, key=lambda f: f.chi2)
     before = float(objectives(onto.swing.residuals[::every], some, HUBER).sum())
     return _First(best.model, parameters, before - best.chi2)
 

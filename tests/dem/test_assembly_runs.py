@@ -51,6 +51,13 @@ def test_a_standing_scene_stays_where_it_settled(name):
     assert all(math.isnan(separation.time) for separation in run.separations)
 
 
+@pytest.mark.parametrize("b", [0.8, 1.3])
+def test_the_boards_of_a_shelf_leave_the_clear_breadth_between_them(b):
+    left, right, bottom, top = dem.bookshelf(6, b=b, h=0.35, board=0.02).bodies[:4]
+    assert [right.x - left.x, top.z - bottom.z] == pytest.approx([b + 0.02, 0.35 + 0.02])
+    assert [left.x + right.x, bottom.x, top.x] == pytest.approx([0.0, 0.0, 0.0])
+
+
 def test_a_column_stays_still_for_a_minute_without_creep():
     run = dem.simulate_assembly(column(3), t_end=60.0, contact=STEADY, keep=["upper block"])
     # A million steps; positions of 1 m are known to 1e-16 m.

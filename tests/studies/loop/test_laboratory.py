@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy
-from scipy.integrate import quad
+from scipy.integrate import quad, solve_ivp
 
 from rocking import Block, Method1, solve
 from rocking.effects import load
@@ -200,6 +200,25 @@ def test_left_is_the_mirror_image_of_right() -> None:
     b = event.simulate(even, other, STEP, 4, 0.0).rotation
     assert np.abs(a).max() > 0.02
     assert b == pytest.approx(-a, abs=1e-9)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.2])
+def test_a_mass_hung_in_a_block_that_stands_swings_as_a_pendulum(damping: float) -> None:
+    """Driven near its own frequency until it lifts the block: the sample is that of a pendulum followed by DOP853."""
+    world = replace(WORLD, slosh_mass=60.0, slosh_length=0.1, slosh_height=0.35, slosh_damping=damping)
+    pushed = floor(0.8 * np.sin(9.9 * TIME))
+
+    def pendulum(t, y):
+        pull = 0.8 * math.sin(9.9 * t) * math.cos(y[0]) + G * math.sin(y[0])
+        return y[1], -pull / world.slosh_length - damping * y[1]
+
+    swing = solve_ivp(pendulum, (0.0, END), (0.0, 0.0), method="DOP853", rtol=1e-10, atol=1e-12, dense_output=True)
+    states = [(t, pushed[k], *swing.sol(t)) for k, t in enumerate(TIME[:-1])]
+    vector = world.vector()
+    expected = next(t for t, c, q, rate in states if event.side_that_lifts(0.0, c, q, rate, vector) != 0.0)
+    found = event.simulate(world, pushed, STEP, 1, 0.0)
+    assert found.time[np.flatnonzero(found.rotation)[0]] == pytest.approx(expected, abs=1.5 * STEP)
+    assert 1.0 < expected < 3.0
 
 
 def test_friction_that_holds_changes_nothing() -> None:
