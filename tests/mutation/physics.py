@@ -142,6 +142,7 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("studies/criteria/pickups.py", ("test_columns",)),
     ("studies/will_it_fall.py", ("test_will_it_fall",)),
     ("studies/specimens.py", ("test_specimens",)),
+    ("studies/slenderness.py", ("test_slenderness",)),
     ("studies/*.py", ("test_all_studies",)),
 )
 SOLVERS = {"diffrax", "exact", "numba", "taylor"}
