@@ -214,7 +214,8 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
         return named, "effect" if named.parts else "none"
     tell("learning what no effect explains")
     # Effects may stand for something unnamed, several of them above all: learning starts from the calibrated block too.
-    routes = [learn(setup.simulator, onto, tell) for onto in ([plain] if named is plain else [plain, named])]
+    routes = [learn(setup.simulator, plain, tell, named)]
+    routes += [] if named is plain else [learn(setup.simulator, named, tell)]
     best = min(routes, key=lambda t: bic(t.swing))
     learned = any(part.effect == LEARNED for part in best.parts)
     if not learned or bic(best.swing) > bic(named.swing) - (PAYS if structured else 0.0):

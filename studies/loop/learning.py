@@ -28,6 +28,9 @@ MOST_TERMS = 4
 MOST_TERMS_COSTLY = 2
 """The same beside effects whose runs take long."""
 
+HOPELESS = 2
+"""Coefficients after which half of what is to be reached has to be."""
+
 LEARNED = "learned_term"
 
 
@@ -62,11 +65,17 @@ def _term(full: str, size: float) -> Candidate:
     return Candidate(name, LEARNED, (parameter,), ({full: size}, {full: -size}), {})
 
 
-def learn(simulator: Simulator, onto: Trial, tell: Callable[[str], None]) -> Trial:
-    """The trial with the coefficients that pay; itself if none does."""
+def learn(simulator: Simulator, onto: Trial, tell: Callable[[str], None], rival: Trial | None = None) -> Trial:
+    """The trial with the coefficients that pay; itself if none does.
+
+    rival: what has to be reached; the search ends early where it plainly is not.
+    """
     current = onto
     pool = terms(onto.swing.model.declared)
-    for _ in range(MOST_TERMS_COSTLY if onto.costly else MOST_TERMS):
+    for count in range(MOST_TERMS_COSTLY if onto.costly else MOST_TERMS):
+        gained = onto.swing.chi2 - current.swing.chi2
+        if rival is not None and count >= HOPELESS and gained < 0.5 * (onto.swing.chi2 - rival.swing.chi2):
+            break
         open_to_it = [c for c in pool if c.name not in current.names]
         tried = search(simulator, current, open_to_it, tell, repeated=True)
         best = tried.best
