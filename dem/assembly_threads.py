@@ -23,7 +23,7 @@ def by_workers(workers: int, arguments: tuple[Any, ...]) -> int:
     them would leave those that have begun waiting for the others for ever.
 
     Raises:
-        KeyboardInterrupt: Ctrl-C; the chunk is ended, or was not begun.
+        KeyboardInterrupt: Ctrl-C; the chunk is ended, or was not begun.  A second one does not wait.
     """
     if workers == 1:
         return assembly_step.advance_assembly(0, *arguments)

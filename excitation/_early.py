@@ -1,7 +1,8 @@
 """Ctrl-C while `python -m excitation` or `python -m studies...` loads its libraries, a second or two: one line alone.
 
-Source   none; `sys.argv[0]` is "-m" as long as the module that is to be run is looked for, hence in no other process
-Status   interrupted while loading (tests); the exit status is that of SIGINT, 130 in a shell
+Source   none; while the module that is to be run is looked for, `sys.argv[0]` is "-m", and the command line names it
+Status   interrupted while loading, and nothing done to other programs (tests); the exit status is that of SIGINT, 130
+         in a shell
 """
 
 from __future__ import annotations
@@ -11,6 +12,17 @@ import signal
 import sys
 import threading
 from types import FrameType
+
+OURS = ("excitation", "studies")
+
+
+def _asked() -> str:
+    """The package whose module is being looked for by `python -m`; "" in any other process."""
+    if sys.argv[:1] != ["-m"]:
+        return ""
+    words = iter(sys.orig_argv[1:])
+    named = next((word[2:] or next(words, "") for word in words if word.startswith("-m")), "")
+    return named.partition(".")[0]
 
 
 def _stop(number: int, frame: FrameType | None) -> None:
@@ -28,7 +40,7 @@ def loaded() -> None:
 
 # Where the interrupt is ignored, as in a shell's background, or is somebody else's, it stays so.
 if (
-    sys.argv[:1] == ["-m"]
+    _asked() in OURS
     and threading.current_thread() is threading.main_thread()
     and signal.getsignal(signal.SIGINT) is signal.default_int_handler
 ):

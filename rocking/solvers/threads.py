@@ -34,7 +34,7 @@ def over_pieces(piece: Callable[[int, int], None], bounds: Sequence[tuple[int, i
     """Call `piece(first, last)` for all of `bounds`, on so many threads, of which this one is the first.
 
     Raises:
-        KeyboardInterrupt: Ctrl-C; the pieces under way are ended, the others not begun.
+        KeyboardInterrupt: Ctrl-C; the pieces under way are ended, the others not begun.  A second one does not wait.
         Exception: what the first piece that failed raised; so too.
     """
     waiting, failed = deque(bounds), list[BaseException]()
@@ -75,4 +75,5 @@ def over_pieces(piece: Callable[[int, int], None], bounds: Sequence[tuple[int, i
         close()
         raise
     if failed:
-        raise failed[0]
+        # Whoever catches an error would go on, and the interrupt be lost.
+        raise next((error for error in failed if not isinstance(error, Exception)), failed[0])

@@ -215,7 +215,9 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
     tell("learning what no effect explains")
     # Effects may stand for something unnamed, several of them above all: learning starts from the calibrated block too.
     routes = [learn(setup.simulator, plain, tell, named)]
-    routes += [] if named is plain else [learn(setup.simulator, named, tell)]
+    # Beside a floor that gives there is no restitution that a term could bear on.
+    if named is not plain and not named.costly:
+        routes.append(learn(setup.simulator, named, tell))
     best = min(routes, key=lambda t: bic(t.swing))
     learned = any(part.effect == LEARNED for part in best.parts)
     if not learned or bic(best.swing) > bic(named.swing) - (PAYS if structured else 0.0):

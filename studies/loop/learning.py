@@ -25,9 +25,6 @@ LEAST_GAIN = 0.03
 
 MOST_TERMS = 4
 
-MOST_TERMS_COSTLY = 2
-"""The same beside effects whose runs take long."""
-
 HOPELESS = 2
 """Coefficients after which half of what is to be reached has to be."""
 
@@ -72,7 +69,7 @@ def learn(simulator: Simulator, onto: Trial, tell: Callable[[str], None], rival:
     """
     current = onto
     pool = terms(onto.swing.model.declared)
-    for count in range(MOST_TERMS_COSTLY if onto.costly else MOST_TERMS):
+    for count in range(MOST_TERMS):
         gained = onto.swing.chi2 - current.swing.chi2
         if rival is not None and count >= HOPELESS and gained < 0.5 * (onto.swing.chi2 - rival.swing.chi2):
             break

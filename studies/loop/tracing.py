@@ -135,7 +135,7 @@ def baseline(simulator: Simulator, model: LoopModel, windows: Sequence[Window], 
     calibrated = (E, *(mounting(name) for name in model.mountings), *([G] if gravity else []))
     starts = sorted({model.restitution, 0.85, 0.93})
     fits = [fit(simulator, model.changed({RESTITUTION: e}), calibrated, windows) for e in starts]
-    return Trial((), (), min(fits, key=lambda f: f.chi2), calibrated=calibrated)
+    return Trial((), (), _with_lost_found(simulator, min(fits, key=lambda f: f.chi2)), calibrated=calibrated)
 
 
 def mounting(channel: str) -> Parameter:
@@ -231,8 +231,11 @@ def _on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> _First 
     begun.sort(key=lambda f: f.chi2)
     if not begun:
         return reason
-    if scouts:
-        begun = [fit(simulator, f.model, parameters, f.windows, iterations=3) for f in begun[:SCOUTED]]
+    try:
+        if scouts:
+            begun = [fit(simulator, f.model, parameters, f.windows, iterations=3) for f in begun[:SCOUTED]]
+    except ValueError as refusal:
+        return str(refusal)
     best = min(begun, key=lambda f: f.chi2)
     before = float(objectives(onto.swing.residuals[::every], some, HUBER).sum())
     return _First(best.model, parameters, before - best.chi2)

@@ -74,6 +74,17 @@ def test_ctrl_c_while_the_libraries_are_loaded_is_one_line(command, tmp_path):
     assert err == "interrupted: nothing was written\n" and list(tmp_path.iterdir()) == []
 
 
+def test_ctrl_c_in_a_program_of_somebody_else_is_its_own(tmp_path):
+    """A package that imports this one, run by `python -m`, hears a KeyboardInterrupt as ever."""
+    (tmp_path / "theirs").mkdir()
+    (tmp_path / "theirs" / "__init__.py").write_text("import excitation\n")
+    (tmp_path / "theirs" / "run.py").write_text(
+        "import signal\ntry:\n    signal.raise_signal(signal.SIGINT)\nexcept KeyboardInterrupt:\n    print('heard')\n"
+    )
+    done = subprocess.run([sys.executable, "-m", "theirs.run"], cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "heard\n"), done.stderr
+
+
 @pytest.mark.slow
 def test_all_studies_killed_in_the_middle_go_on_where_they_were(tmp_path):
     out = tmp_path / "out"

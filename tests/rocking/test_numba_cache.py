@@ -131,7 +131,18 @@ def test_so_is_a_base_motion_of_another_package(tmp_path: Path, monkeypatch: pyt
     edit(path, "2.0 * t\n", "2.0 * t  # m/s^2\n")
     assert bound_motion(kernel, None, signature)(3.0, par) == (6.0, 5.0, 0.0, 0.0)
 
-    edit(path, "2.0 * t ", "3.0 * t ")
+    edit(path, "2.0 * t ", "factor * t ")
+    edit(path, "_wave(t):", "_wave(t, factor=4.0):")
+    again = importlib.reload(importlib.import_module("shaking_of_mine")).kernel
+    assert bound_motion(again, None, signature)(3.0, par) == (12.0, 5.0, 0.0, 0.0)
+    # A default is no part of a function's code: here it is the digest that tells the two apart.
+    edit(path, "factor=4.0", "factor=7.0")
+    assert bound_motion(again, None, signature)(3.0, par) == (12.0, 5.0, 0.0, 0.0)
+    later = importlib.reload(importlib.import_module("shaking_of_mine")).kernel
+    assert bound_motion(later, None, signature)(3.0, par) == (21.0, 5.0, 0.0, 0.0)
+    kernel, kept = later, {p.name for p in tmp_path.rglob("*.nbi")}
+
+    edit(path, "factor * t ", "1.0 + factor * t ")
     with pytest.warns(RuntimeWarning, match=r"not kept: .*shaking_of_mine\.py was changed after this process began"):
-        assert bound_motion(kernel, None, signature)(3.0, par) == (6.0, 5.0, 0.0, 0.0)
+        assert bound_motion(kernel, None, signature)(3.0, par) == (21.0, 5.0, 0.0, 0.0)
     assert {p.name for p in tmp_path.rglob("*.nbi")} <= kept

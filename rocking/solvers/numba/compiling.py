@@ -15,7 +15,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from functools import cache
+from functools import lru_cache
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
@@ -25,7 +25,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 import rocking
-from rocking._sources import edited
+from rocking._sources import edited, stamp
 from rocking.solvers.numba import namespace
 
 # Hooks are pointers in a tuple, which numba calls experimental each time that it sees them.
@@ -74,8 +74,11 @@ def _reach(thing: Any, files: set[str], constants: dict[str, str], seen: dict[in
     elif isinstance(function, FunctionType):
         files.add(function.__code__.co_filename)
         cells = dict(zip(function.__code__.co_freevars, function.__closure__ or (), strict=True))
+        defaults = [*(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values()]
         found = {name: function.__globals__[name] for name in _names(function.__code__) if name in function.__globals__}
-        for name, value in (found | {name: cell.cell_contents for name, cell in cells.items()}).items():
+        found |= {name: cell.cell_contents for name, cell in cells.items()}
+        found |= {f"default {k}": value for k, value in enumerate(defaults)}
+        for name, value in found.items():
             if isinstance(value, int | float | str | tuple | np.ndarray):
                 constants[f"{function.__module__}.{function.__qualname__}.{name}"] = repr(np.asarray(value).tolist())
             _reach(value, files, constants, seen)
@@ -87,10 +90,14 @@ def _names(code: CodeType) -> set[str]:
     return set(code.co_names).union(*inner)
 
 
-@cache
 def _content(name: str) -> bytes:
     path = Path(name)
-    return path.read_bytes() if path.is_file() else name.encode()
+    return _read(path, stamp(path)) if path.is_file() else name.encode()
+
+
+@lru_cache(maxsize=1024)
+def _read(path: Path, _stamp: tuple[int, int]) -> bytes:
+    return path.read_bytes()
 
 
 def _digest(body: Any, files: Iterable[str]) -> tuple[str, list[str], list[CodeType]]:

@@ -1,0 +1,114 @@
+"""Windows that a fit has lost, or that are no swings at all, and floors whose stiffness has many minima."""
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from rocking import Block, Method1, solve
+from rocking.effects import load
+from studies.campaigns import Channel, DeclaredBlock, Test
+from studies.loop.candidates import candidates
+from studies.loop.closing import _over_noise
+from studies.loop.fitting import Fit, fit, sensor_covariance
+from studies.loop.model import LoopModel
+from studies.loop.simulation import Simulator
+from studies.loop.tracing import E, Trial, _as_seen, _on_some, _with_lost_found, baseline
+from studies.loop.windows import PEAK_OVER_NOISE, Record, Window, record_of, swing_windows
+
+BLOCK = Block(0.2, 0.8, 0.4)
+DECLARED = DeclaredBlock(0.2, 0.8, 0.4, BLOCK.mass)
+NOISE, RESTITUTION, OFFSET = 2e-4, 0.91, 0.004
+ROTATION = Channel("rotation", "rotation", NOISE)
+
+
+def free_tests(leans: tuple[float, ...], offset: float, **floor: float) -> list[Test]:
+    """Free tests at 250 Hz, by the SciPy solver, on a rigid floor unless something is said of it."""
+    rng, t = np.random.default_rng(5), np.arange(750) * 0.004
+    effects = [load("compliant_base")(**floor)] if floor else []
+    system = Method1(BLOCK, restitution=RESTITUTION, g=9.81)
+    runs = [solve(system, theta=a, t_end=float(t[-1]), save_at=t, effects=effects, solver="scipy") for a in leans]
+    data = [{"rotation": run.theta + offset + NOISE * rng.standard_normal(t.size)} for run in runs]
+    return [
+        Test(f"free-{k}", "free", t, (ROTATION,), d, initial_rotation=a)
+        for k, (a, d) in enumerate(zip(leans, data, strict=True))
+    ]
+
+
+def cut_up(tests: list[Test]) -> tuple[list[Record], list[Window]]:
+    found = [record_of(test, k, NOISE, DECLARED.alpha) for k, test in enumerate(tests)]
+    records = [record for record in found if record is not None]
+    return records, swing_windows(records)
+
+
+@pytest.fixture(scope="module")
+def off_zero() -> tuple[Simulator, list[Record], Fit]:
+    """A sensor whose zero is off, known to be, and every window at its best."""
+    tests = free_tests((0.15, -0.19), OFFSET)
+    records, windows = cut_up(tests)
+    simulator = Simulator(tests)
+    model = LoopModel(DECLARED, RESTITUTION, {"rotation_offset": {"offset": OFFSET}}, 9.81)
+    return simulator, records, fit(simulator, model, [E], [_as_seen(model, w) for w in windows])
+
+
+def test_a_lost_window_begins_again_from_the_record_as_the_sensor_has_it(off_zero) -> None:
+    simulator, _, best = off_zero
+    assert best.rms < 1.05
+    lost = list(best.windows)
+    lost[2] = lost[2].moved(-lost[2].theta, 0.9)
+    stuck = fit(simulator, best.model, [E], lost, iterations=0)
+    assert stuck.by_window[2] > 50.0
+    found = _with_lost_found(simulator, stuck)
+    assert found.chi2 == pytest.approx(best.chi2, abs=1.0)
+    assert found.windows[2].theta == pytest.approx(best.windows[2].theta, abs=NOISE)
+    assert _with_lost_found(simulator, best) is best
+
+
+def test_a_state_is_seen_through_the_gain_and_the_zero_of_the_sensor(off_zero) -> None:
+    """By hand: a reading r is gain theta + offset."""
+    sensor = {"rotation_gain": {"gain": 1.02}, "rotation_offset": {"offset": 1e-3}}
+    window = off_zero[2].windows[0]
+    assert window.seen is not None
+    state = _as_seen(LoopModel(DECLARED, RESTITUTION, sensor, 9.81), window)
+    assert state.theta == pytest.approx((window.seen.theta - 1e-3) / 1.02, rel=1e-12)
+    assert state.omega == pytest.approx(window.seen.omega / 1.02, rel=1e-12)
+    unseen = replace(window, seen=None)
+    assert _as_seen(off_zero[2].model, unseen) is unseen
+
+
+def test_a_hop_at_rest_is_no_structure_and_a_swing_is(off_zero) -> None:
+    """By hand: one window is off by twenty deviations, of a block at rest or of one that swings."""
+    _, records, best = off_zero
+    setup = SimpleNamespace(records=records)
+    assert 0.95 < _over_noise(setup, Trial((), (), best)) < 1.05
+    off = [20.0 + 0.0 * r if k == 2 else r for k, r in enumerate(best.residuals)]
+    swings = replace(best, residuals=tuple(off))
+    assert _over_noise(setup, Trial((), (), swings)) > 3.0
+    hop = list(best.windows)
+    hop[2] = hop[2].moved(0.5 * PEAK_OVER_NOISE * NOISE, 0.0)
+    hops = replace(swings, windows=tuple(hop))
+    assert _over_noise(setup, Trial((), (), hops)) == pytest.approx(_over_noise(setup, Trial((), (), best)), rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("between", [2, 4])
+def test_the_stiffness_of_a_floor_is_found_among_its_minima(between: int) -> None:
+    """Planted half-way between two of the starts; a fit from where the scan ends has to reach it.
+
+    Much stiffer floors are rigid here: two free tests tell them from a restitution by 25 of a chi-square of 1,300.
+    """
+    (floor,) = [c for c in candidates(DECLARED) if c.name == "compliant_base"]
+    starts = [start["compliant_base.corner_stiffness"] for start in floor.starts]
+    stiffness = math.sqrt(starts[between] * starts[between + 1])
+    tests = free_tests((0.15, -0.19), 0.0, corner_stiffness=stiffness, damping_ratio=0.2, tangential_ratio=30.0)
+    simulator, (_, windows) = Simulator(tests), cut_up(tests)
+    plain = baseline(simulator, LoopModel(DECLARED, RESTITUTION, {}, 9.81), windows)
+    first = _on_some(simulator, plain, floor)
+    assert not isinstance(first, str), first
+    ended = fit(simulator, first.model, first.parameters, plain.swing.windows, iterations=20)
+    sd = math.sqrt(float(sensor_covariance(simulator, ended)[0, 0]))
+    # One draw of the noise: four standard deviations, which chance passes once in ten thousand.
+    assert abs(ended.values["compliant_base.corner_stiffness"] - stiffness) < 4.0 * sd < 0.5 * stiffness
+    assert ended.parameters[0].name == "compliant_base.corner_stiffness" and ended.rms < 1.05
