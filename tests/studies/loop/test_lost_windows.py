@@ -93,15 +93,15 @@ def test_a_hop_at_rest_is_no_structure_and_a_swing_is(off_zero) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("between", [2, 4])
-def test_the_stiffness_of_a_floor_is_found_among_its_minima(between: int) -> None:
+def test_the_stiffness_of_a_floor_is_found_among_its_minima() -> None:
     """Planted half-way between two of the starts; a fit from where the scan ends has to reach it.
 
-    Much stiffer floors are rigid here: two free tests tell them from a restitution by 25 of a chi-square of 1,300.
+    Much stiffer floors are all but rigid here: two free tests tell them from a restitution by 25 of a chi-square of
+    1,300, and say little of their stiffness.
     """
     (floor,) = [c for c in candidates(DECLARED) if c.name == "compliant_base"]
     starts = [start["compliant_base.corner_stiffness"] for start in floor.starts]
-    stiffness = math.sqrt(starts[between] * starts[between + 1])
+    stiffness = math.sqrt(starts[2] * starts[3])
     tests = free_tests((0.15, -0.19), 0.0, corner_stiffness=stiffness, damping_ratio=0.2, tangential_ratio=30.0)
     simulator, (_, windows) = Simulator(tests), cut_up(tests)
     plain = baseline(simulator, LoopModel(DECLARED, RESTITUTION, {}, 9.81), windows)
