@@ -218,8 +218,9 @@ def collected(file: str, folder: Path) -> list[dict[str, str]]:
     target = folder / "checks.csv"
     # Assertions that pass speak up only where the test files are compiled so; hence compiled files of their own.
     environment = os.environ | {"ROCKING_CHECKS": str(target), "PYTHONPYCACHEPREFIX": str(folder / "pyc")}
+    environment["PYTHONPATH"] = os.pathsep.join([str(ROOT / "docs"), *filter(None, [os.environ.get("PYTHONPATH")])])
     command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "collect_checks", "-p", "no:cacheprovider",
-               "-o", "enable_assertion_pass_hook=true", "-o", "pythonpath=docs", file]  # fmt: skip
+               "-o", "enable_assertion_pass_hook=true", file]  # fmt: skip
     done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
     if done.returncode not in (0, 5):
         raise RuntimeError(f"{file}: tests fail\n{done.stdout[-2000:]}")

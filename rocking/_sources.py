@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from contextlib import suppress
 from functools import lru_cache
+from importlib.abc import InspectLoader
 from pathlib import Path
 from types import CodeType
 
@@ -47,7 +48,7 @@ def edited(name: str, codes: Iterable[CodeType] = ()) -> bool:
 @lru_cache(maxsize=256)
 def _within(path: Path, _stamp: tuple[int, int]) -> frozenset[CodeType]:
     """The code of every function in a file."""
-    found, waiting = set[CodeType](), [compile(path.read_bytes(), str(path), "exec", dont_inherit=True)]
+    found, waiting = set[CodeType](), [InspectLoader.source_to_code(path.read_bytes(), str(path))]
     while waiting:
         inner = [constant for constant in waiting.pop().co_consts if isinstance(constant, CodeType)]
         found.update(inner)

@@ -41,7 +41,7 @@ SHOWN = (
 
 def environment(folder: Path, python: str, which: str, uv: str) -> Path:
     """A new environment with the project of ROOT and its test extra; its interpreter."""
-    subprocess.run([uv, "venv", "--quiet", "--python", python, str(folder)], check=True)
+    subprocess.run([uv, "venv", "--quiet", "--seed", "--python", python, str(folder)], check=True)
     interpreter = folder / "bin" / "python"
     resolution = {"lowest": "lowest-direct", "newest": "highest"}[which]
     command = [uv, "pip", "install", "--quiet", "--python", str(interpreter), "--resolution", resolution]

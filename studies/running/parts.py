@@ -11,6 +11,7 @@ Status   kill -9, damaged parts and changed settings are tested
 from __future__ import annotations
 
 import hashlib
+import io
 import os
 import shutil
 import sys
@@ -89,12 +90,9 @@ def write_arrays(path: Path, arrays: Mapping[str, Any]) -> None:
         OSError: it cannot be written.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-
-    def write(target: Path) -> None:
-        with target.open("wb") as file:
-            np.savez(file, **arrays)
-
-    write_whole(path, write)
+    packed = io.BytesIO()  # on a full disk NumPy 2.0 leaves its archive open, which complains when it is collected
+    np.savez(packed, **arrays)
+    write_whole(path, lambda target: target.write_bytes(packed.getvalue()))
 
 
 class Parts:
