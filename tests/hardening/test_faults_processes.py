@@ -81,8 +81,9 @@ def test_ctrl_c_in_a_program_of_somebody_else_is_its_own(tmp_path):
     (tmp_path / "theirs" / "run.py").write_text(
         "import signal\ntry:\n    signal.raise_signal(signal.SIGINT)\nexcept KeyboardInterrupt:\n    print('heard')\n"
     )
-    done = subprocess.run([sys.executable, "-m", "theirs.run"], cwd=tmp_path, capture_output=True, text=True)
-    assert (done.returncode, done.stdout) == (0, "heard\n"), done.stderr
+    child = faults.started(faults.command("theirs.run"), cwd=tmp_path)
+    out, err = child.communicate(timeout=120)
+    assert (child.returncode, out) == (0, "heard\n"), err
 
 
 @pytest.mark.slow
