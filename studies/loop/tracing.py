@@ -225,7 +225,7 @@ def _on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> _First 
         try:
             model = onto.swing.model.changed({**least, **candidate.fixed, **start})
             windows = some if candidate.smooth else _afresh(simulator, model, some)
-            begun.append(fit(simulator, model, scouts or parameters, windows, iterations=3))
+            begun.append(fit(simulator, model, scouts or parameters, windows, iterations=2 if scouts else 3))
         except ValueError as refusal:
             reason = str(refusal)
     begun.sort(key=lambda f: f.chi2)
