@@ -31,12 +31,17 @@ def over_runs(piece: Callable[[int, int], None], count: int, threads: int) -> No
 
 
 def over_pieces(piece: Callable[[int, int], None], bounds: Sequence[tuple[int, int]], threads: int) -> None:
-    """Call `piece(first, last)` for all of `bounds`, on so many threads, of which this one is the first.
+    """Call `piece(first, last)` for all of `bounds`, on so many threads; with one, on this one.
 
     Raises:
         KeyboardInterrupt: Ctrl-C; the pieces under way are ended, the others not begun.  A second one does not wait.
         Exception: what the first piece that failed raised; so too.
     """
+    count = min(threads, len(bounds))
+    if count < 2:
+        for first, last in bounds:
+            piece(first, last)
+        return
     waiting, failed = deque(bounds), list[BaseException]()
     begun, ended, closed = list[int](), list[int](), list[int]()
 
@@ -58,22 +63,21 @@ def over_pieces(piece: Callable[[int, int], None], bounds: Sequence[tuple[int, i
             work()
         ended.append(1)
 
-    def close() -> None:
-        closed.append(1)  # who begins from here on does nothing
+    def wait(for_all: bool) -> None:
         look = SHORTEST_LOOK
-        while len(ended) < len(begun):
+        while len(ended) < (count if for_all else len(begun)):
             time.sleep(look)
             look = min(1.5 * look, LONGEST_LOOK)
 
+    # This thread only waits: what Ctrl-C raises within a call of compiled code may come out as another error.
     try:
-        for _ in range(min(threads, len(bounds)) - 1):
+        for _ in range(count):
             _thread.start_new_thread(help_out, ())
-        work()
-        close()
+        wait(for_all=True)
     except BaseException:
         waiting.clear()
-        close()
+        closed.append(1)  # who begins from here on does nothing
+        wait(for_all=False)
         raise
     if failed:
-        # Whoever catches an error would go on, and the interrupt be lost.
-        raise next((error for error in failed if not isinstance(error, Exception)), failed[0])
+        raise failed[0]

@@ -128,18 +128,7 @@ def test_ignored_interrupts_stay_ignored_and_threads_change_nothing():
     assert seen == [signal.default_int_handler]
 
 
-def test_an_interrupt_counts_for_more_than_a_piece_that_failed_before():
-    failed = threading.Event()
-
-    def piece(first, last):
-        if threading.current_thread() is not threading.main_thread():
-            failed.set()
-            raise ValueError("a piece")
-        failed.wait(10.0)
-        signal.raise_signal(signal.SIGINT)
-
-    with pytest.raises(KeyboardInterrupt):
-        over_pieces(piece, [(0, 1), (1, 2)], 2)
+def test_a_piece_that_fails_says_so():
     with pytest.raises(ValueError, match="a piece"):
         over_pieces(lambda first, last: int("a piece"), [(0, 1), (1, 2)], 2)
 

@@ -23,14 +23,13 @@ RIVALS = {"compliant_base", "sliding", "base_tilt", "viscous_damping", "base_mot
 
 
 @pytest.mark.slow
-def test_a_floor_too_stiff_for_one_swing_is_found_in_whole_records(tmp_path, monkeypatch):
+def test_a_stiff_floor_is_found(tmp_path, monkeypatch):
     truth = make_campaign(2001, ["compliant_base"], tmp_path)
     monkeypatch.setattr(
         closing, "all_candidates", lambda model: tuple(c for c in all_candidates(model) if c.effect in RIVALS)
     )
     finding = closing.close(read(tmp_path / "campaign"), g=G)
     assert finding.verdict == "effect" and finding.chosen.effects == ("compliant_base",)
-    assert any(note.startswith("single swings do not settle on compliant_base") for note in finding.notes)
     value = finding.after.get("compliant_base.corner_stiffness")
     # The interval that the loop gives is a tenth to either side (95 %): twice that.
     assert value == pytest.approx(truth.parameters["compliant_base.corner_stiffness"], rel=0.2)
