@@ -176,7 +176,9 @@ def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[R
         if depth >= MOST_EFFECTS_COSTLY and path[-1].costly:
             break
         tell(f"tracing, round {depth + 1}")
-        tried = search(setup.simulator, path[-1], pool, tell)
+        tried = search(
+            setup.simulator, path[-1], pool, tell, explained=lambda t: _over_noise(setup, t) < _structure(setup)
+        )
         accepted: tuple[Trial, Fit] | None = None
         best = tried.best
         likely = best is not None and pays(path[-1].swing, best.swing)

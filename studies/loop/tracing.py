@@ -149,6 +149,7 @@ def search(
     pool: Sequence[Candidate],
     tell: Callable[[str], None] = lambda text: None,
     repeated: bool = False,
+    explained: Callable[[Trial], bool] = lambda trial: False,
 ) -> Round:
     """Refit every candidate that may pay on top of a trial, those that lead nowhere not to the end.
 
@@ -156,6 +157,8 @@ def search(
     best of all are fitted until they converge.  Where runs take long, a few candidates alone get beyond the first step.
 
     repeated: whether an effect that is there already may be tried in another form.
+    explained: whether a trial leaves nothing over its noise; candidates whose runs take long, and which have more
+        parameters than most, are tried only where neither the trial nor a cheaper candidate does so.
     """
     found = Round(onto)
     open_to_it = [c for c in pool if c.in_swings and (repeated or c.effect not in onto.effects)]
@@ -163,11 +166,32 @@ def search(
     ranked = sorted(scores.items(), key=lambda item: -item[1])
     enough = NEAR * ranked[0][1] if ranked else 0.0
     chosen = {name for k, (name, score) in enumerate(ranked) if k < SHORTLIST or score > enough}
-    firsts = []
     for candidate in open_to_it:
         if candidate.smooth and candidate.name not in chosen:
             found.skipped[candidate.name] = f"score {scores.get(candidate.name, 0.0):.3g}"
-            continue
+    tried = [c for c in open_to_it if c.name not in found.skipped]
+    _fitted(simulator, onto, [c for c in tried if not c.costly], found, scores, tell)
+    costly = [c for c in tried if c.costly]
+    already = next((t for t in (onto, *found.trials) if costly and explained(t)), None)
+    if already is None:
+        _fitted(simulator, onto, costly, found, scores, tell)
+    else:
+        by = f" of {already.names[-1]}" if already.names else ""
+        found.skipped |= {c.name: f"the fit{by} leaves nothing over the noise; runs take long" for c in costly}
+    return found
+
+
+def _fitted(
+    simulator: Simulator,
+    onto: Trial,
+    candidates: Sequence[Candidate],
+    found: Round,
+    scores: dict[str, float],
+    tell: Callable[[str], None],
+) -> None:
+    """Add trials with one of the candidates each to the round, or why there is none."""
+    firsts = []
+    for candidate in candidates:
         tell(candidate.name)
         first = _on_some(simulator, onto, candidate)
         if isinstance(first, str):
@@ -180,9 +204,8 @@ def search(
             found.skipped[candidate.name] = f"{MOST_COSTLY} others explain more of some windows; runs take long"
         firsts = firsts[:MOST_COSTLY]
     begun = [(candidate, _on_all(simulator, onto, candidate, first)) for candidate, first in firsts]
-    ended = _ended(simulator, onto, begun, tell)
+    ended = _ended(simulator, onto, begun, tell, min((t.swing.chi2 for t in found.trials), default=math.inf))
     found.trials += [onto.with_(c, swing, scores.get(c.name, math.nan)) for c, swing in ended]
-    return found
 
 
 def _scores(simulator: Simulator, onto: Trial, smooth: Sequence[Candidate]) -> dict[str, float]:
@@ -269,12 +292,17 @@ def _as_seen(model: LoopModel, window: Window) -> Window:
 
 
 def _ended(
-    simulator: Simulator, onto: Trial, begun: Sequence[tuple[Candidate, Fit]], tell: Callable[[str], None]
+    simulator: Simulator,
+    onto: Trial,
+    begun: Sequence[tuple[Candidate, Fit]],
+    tell: Callable[[str], None],
+    before: float,
 ) -> list[tuple[Candidate, Fit]]:
-    """The candidates with their fits, those that come near the best of all until they converge."""
-    if not begun:
-        return []
-    lowest = min(first.chi2 for _, first in begun)
+    """The candidates with their fits, those that come near the best of all until they converge.
+
+    before: the lowest chi-square of candidates that were fitted before.
+    """
+    lowest = min([first.chi2 for _, first in begun] + [before])
     near = lowest + max(HOPEFUL * (onto.swing.chi2 - lowest), PAYS)
     out = []
     for candidate, first in begun:
