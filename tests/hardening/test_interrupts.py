@@ -171,9 +171,10 @@ import random, signal, time
 import numpy as np
 {use}
 def interrupt(number, frame):
-    raise KeyboardInterrupt
+    signal.raise_signal(signal.SIGINT)
 
 signal.signal(signal.SIGALRM, interrupt)
+signal.signal(signal.SIGINT, signal.default_int_handler)
 random.seed(1)
 takes = []
 for _ in range(20):
@@ -228,4 +229,35 @@ def test_threads_end_wherever_the_interrupt_comes(use):
     """In a pool of the library pieces went on, or workers waited for one that had never begun."""
     code = AT_RANDOM_TIMES.format(use=use, tries=3000)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stdout) == (0, "True\n"), done.stderr
+
+
+IN_A_RUN = """
+from rocking import Block, Method1, solve
+from excitation import PiecewiseLinear, RampedSinusoid
+
+system = Method1(Block(b=0.1, h=0.5), form={form!r}, restitution=0.9)
+motion = {motion}
+
+def work():
+    solve(system, motion, t_end=5.0, solver={solver!r}, save_at=np.linspace(0.0, 5.0, 11))
+"""
+WAVE = "RampedSinusoid(3.0, 5.0, 3.0)"
+RECORD = "PiecewiseLinear(0.02, 3.0 * np.sin(18.0 * np.linspace(0.0, 5.0, 251)))"
+
+
+@pytest.mark.parametrize(
+    ("solver", "form", "motion"),
+    [
+        pytest.param("exact", "linear", WAVE, id="exact-sine"),
+        pytest.param("exact", "linear", RECORD, id="exact-record"),
+        pytest.param("taylor", "nonlinear", WAVE, id="taylor-sine"),
+        pytest.param("taylor", "nonlinear", RECORD, id="taylor-record"),
+        pytest.param("numba", "nonlinear", WAVE, id="numba"),
+    ],
+)
+def test_an_interrupt_within_compiled_code_is_heard_as_one(solver, form, motion):
+    """numba lets Ctrl-C in where it hands over what it returns: SystemError for arrays, a crash for named tuples."""
+    code = AT_RANDOM_TIMES.format(use=IN_A_RUN.format(solver=solver, form=form, motion=motion), tries=1000)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
     assert (done.returncode, done.stdout) == (0, "True\n"), done.stderr
