@@ -10,11 +10,15 @@ Status   interrupts at random times within such calls (tests)
 
 from __future__ import annotations
 
-import signal
+import _signal  # type: ignore[import-not-found]
 import threading
 from collections.abc import Callable
+from signal import SIGINT
 from types import FrameType
 from typing import Any
+
+# What `signal` makes of these looks for an Enum of each handler: 10 microseconds a call, a tenth of a short run.
+getsignal, signal = _signal.getsignal, _signal.signal
 
 
 def handed_over(compiled: Callable[..., Any], *arguments: Any) -> Any:
@@ -26,7 +30,7 @@ def handed_over(compiled: Callable[..., Any], *arguments: Any) -> Any:
     """
     if threading.current_thread() is not threading.main_thread():
         return compiled(*arguments)
-    usual = signal.getsignal(signal.SIGINT)
+    usual = getsignal(SIGINT)
     if not callable(usual):
         return compiled(*arguments)
     came: list[tuple[int, FrameType | None]] = []
@@ -36,10 +40,10 @@ def handed_over(compiled: Callable[..., Any], *arguments: Any) -> Any:
         if len(came) > 1:
             usual(number, frame)
 
-    signal.signal(signal.SIGINT, note)
+    signal(SIGINT, note)
     try:
         return compiled(*arguments)
     finally:
-        signal.signal(signal.SIGINT, usual)
+        signal(SIGINT, usual)
         if len(came) == 1:
             usual(*came[0])
