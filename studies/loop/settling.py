@@ -12,7 +12,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studies.loop.fitting import Fit, Parameter, fit, fit_records, robust_covariance, sensor_covariance
+from studies.loop.fitting import (
+    ROBUST,
+    Fit,
+    Parameter,
+    fit,
+    fit_records,
+    objectives,
+    robust_covariance,
+    sensor_covariance,
+)
 from studies.loop.learning import LEARNED
 from studies.loop.model import LoopModel
 from studies.loop.preparing import Setup
@@ -207,7 +216,22 @@ def gain(setup: Setup, without: Fit, found: Fit) -> float:
     """Share by which a fit of whole records lowers the rms, what is far off counting little, of one without it [1]."""
     windows = [replace(w, sd=o.sd) for w, o in zip(without.windows, found.windows, strict=True)]
     plain = fit(setup.simulator, without.model, [], windows, whole=True, iterations=0)
-    return 1.0 - math.sqrt(found.chi2 / plain.chi2)
+    with_it, without_it = where_told(found, plain)
+    return 1.0 - math.sqrt(with_it / without_it)
+
+
+def where_told(one: Fit, other: Fit) -> tuple[float, float]:
+    """Chi-square of two fits of whole records, without the records that are lost in both, unless all are.
+
+    How far off a block is after it went the other way, or fell in the last second, is chance.
+    """
+    told = np.minimum(one.by_window, other.by_window) < ROBUST
+    kept = np.flatnonzero(told) if told.any() else np.arange(told.size)
+    first, second = (
+        float(objectives([f.residuals[i] for i in kept], [f.windows[i] for i in kept], ROBUST, True).sum())
+        for f in (one, other)
+    )
+    return first, second
 
 
 def intervals(chosen: Trial, settled: Settled) -> dict[str, tuple[float, float, float]]:

@@ -14,12 +14,12 @@ from dataclasses import replace
 import numpy as np
 
 from studies.loop.candidates import Candidate
-from studies.loop.fitting import ROBUST, Fit, Parameter, fit, fit_records, objectives, sensor_covariance
+from studies.loop.fitting import Fit, Parameter, fit, fit_records, sensor_covariance
 from studies.loop.model import RESTITUTION
 from studies.loop.preparing import Setup
 from studies.loop.rivals import Rival
 from studies.loop.scoring import errors
-from studies.loop.settling import gain, neighbours, predictable, whole_fit
+from studies.loop.settling import gain, neighbours, predictable, where_told, whole_fit
 from studies.loop.tracing import PAYS, Round, Trial, bic
 
 LEAST_OF_A_SCAN = 0.15
@@ -199,14 +199,8 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round) -> tuple[Rival, 
 
 def _explains(own: Fit, without: Fit) -> bool:
     """Whether an effect lowers what is left of records by enough; what is lost with and without it says nothing."""
-    told = np.minimum(own.by_window, without.by_window) < ROBUST
-    if not told.any():
-        told[:] = True
-    with_it, plain = (
-        objectives([f.residuals[i] for i in np.flatnonzero(told)], [f.windows[i] for i in np.flatnonzero(told)],
-                   ROBUST, True).sum() for f in (own, without)
-    )  # fmt: skip
-    return bool(with_it < (1.0 - LEAST_OF_A_SCAN) ** 2 * plain)
+    with_it, plain = where_told(own, without)
+    return with_it < (1.0 - LEAST_OF_A_SCAN) ** 2 * plain
 
 
 def _at_the_cost_of_others(own: Fit, without: Fit) -> bool:
