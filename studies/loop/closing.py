@@ -6,7 +6,7 @@ Status   campaigns with records of the response; `studies.loop.outcomes.closing`
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies.campaigns import Campaign
+from studies.loop.candidates import Candidate
 from studies.loop.fitting import Fit
 from studies.loop.keeping import Keeper
 from studies.loop.learned_curves import Curve, curves
@@ -24,7 +25,18 @@ from studies.loop.rivals import Rival, near, twins
 from studies.loop.scoring import Errors, errors, leaning, median
 from studies.loop.settling import Settled, gain, intervals, settle, whole_fit
 from studies.loop.spread import floor, variances
-from studies.loop.tracing import LEAST_GAIN, PAYS, Round, Trial, all_candidates, baseline, bic, pays, search
+from studies.loop.tracing import (
+    LEAST_GAIN,
+    PAYS,
+    Round,
+    Trial,
+    all_candidates,
+    baseline,
+    bic,
+    pays,
+    search,
+    search_costly,
+)
 from studies.loop.whole_records import asked, explains_more
 from studies.loop.windows import PEAK_OVER_NOISE, SIDE, scored_window
 
@@ -179,34 +191,51 @@ def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[R
         tried = search(
             setup.simulator, path[-1], pool, tell, explained=lambda t: _over_noise(setup, t) < _structure(setup)
         )
-        accepted: tuple[Trial, Fit] | None = None
-        best = tried.best
-        likely = best is not None and pays(path[-1].swing, best.swing)
-        if best is not None and likely:
-            now = whole_fit(setup, best)
-            if gain(setup, fits[-1], now) > LEAST_GAIN:
-                accepted = best, now
-        # Whole records are rugged: where swings say nothing, or one fit of whole records does not bear them out, or
-        # leaves far too much, these have more to say.
-        confirmed: tuple[Rival, ...] = ()
-        unsettled = accepted is None or accepted[1].rms > MISSED_BY_FAR
-        if setup.by_rotation and (not likely or (depth == 0 and unsettled)):
-            tell("asking whole records")
-            confirmed = asked(setup, path[-1], fits[-1], tried, pool)
-            confirmed = tuple(r for r in confirmed if gain(setup, fits[-1], r.whole) > LEAST_GAIN)
-            if confirmed and accepted is not None and not explains_more(setup, confirmed[0].whole, accepted[1]):
-                confirmed = ()
+        accepted, confirmed = _accepted(setup, path[-1], fits[-1], tried, pool, tell)
+        # Swings that leave nothing say nothing of a soft floor; whole records that are missed still may.
+        if tried.put_off and _missed(fits[-1] if accepted is None else accepted[1]):
+            floors = tried.put_off
+            search_costly(setup.simulator, tried, tell)
+            found, decided = _accepted(setup, path[-1], fits[-1], tried, floors, tell)
+            if found and (accepted is None or explains_more(setup, found[1], accepted[1])):
+                accepted, confirmed = found, decided
         rounds.append(tried)
-        if confirmed:
-            accepted = confirmed[0].trial, confirmed[0].whole
-            if all(t.names != accepted[0].names for t in tried.trials):
-                tried.trials.append(accepted[0])
         if accepted is None:
             break
         path.append(accepted[0])
         fits.append(accepted[1])
         rivals = confirmed
     return path, rounds, fits, rivals
+
+
+def _accepted(
+    setup: Setup, onto: Trial, whole: Fit, tried: Round, pool: Sequence[Candidate], tell: Tell
+) -> tuple[tuple[Trial, Fit] | None, tuple[Rival, ...]]:
+    """The trial of a round that pays, with its fit on whole records, and the rivals if these decided among them.
+
+    whole: the fit on whole records of what the round adds to.
+    """
+    accepted: tuple[Trial, Fit] | None = None
+    best = tried.best
+    likely = best is not None and pays(onto.swing, best.swing)
+    if best is not None and likely:
+        now = whole_fit(setup, best)
+        if gain(setup, whole, now) > LEAST_GAIN:
+            accepted = best, now
+    # Whole records are rugged: where swings say nothing, or one fit of whole records does not bear them out, or leaves
+    # far too much, these have more to say.
+    unsettled = accepted is None or accepted[1].rms > MISSED_BY_FAR
+    if not setup.by_rotation or (likely and (onto.parts or not unsettled)):
+        return accepted, ()
+    tell("asking whole records")
+    confirmed = asked(setup, onto, whole, tried, pool)
+    confirmed = tuple(r for r in confirmed if gain(setup, whole, r.whole) > LEAST_GAIN)
+    if not confirmed or (accepted is not None and not explains_more(setup, confirmed[0].whole, accepted[1])):
+        return accepted, ()
+    first = confirmed[0]
+    if all(t.names != first.trial.names for t in tried.trials):
+        tried.trials.append(first.trial)
+    return (first.trial, first.whole), confirmed
 
 
 def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Trial, Verdict]:

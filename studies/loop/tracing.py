@@ -110,6 +110,8 @@ class Round:
     onto: Trial
     trials: list[Trial] = field(default_factory=list)
     skipped: dict[str, str] = field(default_factory=dict)  # form of the effect: why it was not refitted
+    scores: dict[str, float] = field(default_factory=dict)  # by form of the effect
+    put_off: tuple[Candidate, ...] = ()  # of those skipped the ones that `search_costly` tries
 
     @property
     def best(self) -> Trial | None:
@@ -162,35 +164,36 @@ def search(
     """
     found = Round(onto)
     open_to_it = [c for c in pool if c.in_swings and (repeated or c.effect not in onto.effects)]
-    scores = _scores(simulator, onto, [c for c in open_to_it if c.smooth])
-    ranked = sorted(scores.items(), key=lambda item: -item[1])
+    found.scores |= _scores(simulator, onto, [c for c in open_to_it if c.smooth])
+    ranked = sorted(found.scores.items(), key=lambda item: -item[1])
     enough = NEAR * ranked[0][1] if ranked else 0.0
     chosen = {name for k, (name, score) in enumerate(ranked) if k < SHORTLIST or score > enough}
     for candidate in open_to_it:
         if candidate.smooth and candidate.name not in chosen:
-            found.skipped[candidate.name] = f"score {scores.get(candidate.name, 0.0):.3g}"
+            found.skipped[candidate.name] = f"score {found.scores.get(candidate.name, 0.0):.3g}"
     tried = [c for c in open_to_it if c.name not in found.skipped]
-    _fitted(simulator, onto, [c for c in tried if not c.costly], found, scores, tell)
-    costly = [c for c in tried if c.costly]
-    already = next((t for t in (onto, *found.trials) if costly and explained(t)), None)
+    _fitted(simulator, [c for c in tried if not c.costly], found, tell)
+    found.put_off = tuple(c for c in tried if c.costly)
+    already = next((t for t in (onto, *found.trials) if found.put_off and explained(t)), None)
     if already is None:
-        _fitted(simulator, onto, costly, found, scores, tell)
+        search_costly(simulator, found, tell)
     else:
         by = f" of {already.names[-1]}" if already.names else ""
-        found.skipped |= {c.name: f"the fit{by} leaves nothing over the noise; runs take long" for c in costly}
+        found.skipped |= {c.name: f"the fit{by} leaves nothing over the noise; runs take long" for c in found.put_off}
     return found
 
 
-def _fitted(
-    simulator: Simulator,
-    onto: Trial,
-    candidates: Sequence[Candidate],
-    found: Round,
-    scores: dict[str, float],
-    tell: Callable[[str], None],
-) -> None:
+def search_costly(simulator: Simulator, found: Round, tell: Callable[[str], None] = lambda text: None) -> None:
+    """Add to a round the candidates that it put off."""
+    candidates, found.put_off = found.put_off, ()
+    for c in candidates:
+        found.skipped.pop(c.name, None)
+    _fitted(simulator, candidates, found, tell)
+
+
+def _fitted(simulator: Simulator, candidates: Sequence[Candidate], found: Round, tell: Callable[[str], None]) -> None:
     """Add trials with one of the candidates each to the round, or why there is none."""
-    firsts = []
+    onto, firsts = found.onto, []
     for candidate in candidates:
         tell(candidate.name)
         first = _on_some(simulator, onto, candidate)
@@ -205,7 +208,7 @@ def _fitted(
         firsts = firsts[:MOST_COSTLY]
     begun = [(candidate, _on_all(simulator, onto, candidate, first)) for candidate, first in firsts]
     ended = _ended(simulator, onto, begun, tell, min((t.swing.chi2 for t in found.trials), default=math.inf))
-    found.trials += [onto.with_(c, swing, scores.get(c.name, math.nan)) for c, swing in ended]
+    found.trials += [onto.with_(c, swing, found.scores.get(c.name, math.nan)) for c, swing in ended]
 
 
 def _scores(simulator: Simulator, onto: Trial, smooth: Sequence[Candidate]) -> dict[str, float]:
