@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from studies.campaigns import Test
 from studies.loop.closing import Finding
+from studies.loop.learning import LEARNED
 from studies.loop.model import LoopModel
 from studies.loop.names import readable
 from studies.loop.simulation import Job, Simulator
@@ -53,6 +54,8 @@ class _Question:
 
 def next_test(finding: Finding) -> str:
     """A sentence: what to do next, which models it tells apart, and how clearly."""
+    if finding.verdict == "unexplained" and not finding.chosen.parts:
+        return _repeated(finding)
     question = _question(finding)
     if question is None:
         return (
@@ -80,11 +83,23 @@ def next_test(finding: Finding) -> str:
     )
 
 
+def _repeated(finding: Finding) -> str:
+    """The test to repeat as it was where whole records are missed and no model differs from the ideal block."""
+    whole = finding.after_fit
+    k = int(np.argmax(whole.by_window))
+    missed = finding.setup.campaign.tests[whole.windows[k].test].id
+    return (
+        f"Repeat {missed} as it was, and watch whether the block slips, hops or turns about its vertical axis: its "
+        f"record is missed by {whole.by_window[k]:.0f} times its noise.  Where the block does the same again, the "
+        "model lacks an effect; where it does not, the record hangs on what nobody can measure."
+    )
+
+
 def _question(finding: Finding) -> _Question | None:
     if finding.verdict == "unexplained":
-        return _Question(
-            (finding.before, finding.after), "the calibrated ideal block and the model with what was learned"
-        )
+        learned = LEARNED in finding.chosen.effects
+        other = "the model with what was learned" if learned else f"the one with {_named(finding.chosen.names)}"
+        return _Question((finding.before, finding.after), f"the calibrated ideal block and {other}")
     if len(finding.rivals) > 1:
         first, second = finding.rivals[:2]
         words = f"{_named(first.trial.names)} and {_named(second.trial.names)}"
