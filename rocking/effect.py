@@ -87,6 +87,10 @@ class Effect:
         """The ways in which it acts: those of `WAYS` that it overrides."""
         return frozenset(way for way in WAYS if getattr(cls, way) is not getattr(Effect, way))
 
+    def ways_used(self) -> frozenset[str]:
+        """Those of its ways in which it acts with these parameters; all, if a subclass does not say otherwise."""
+        return self.ways()
+
     def values(self, form: Form) -> tuple[float, ...]:
         """Numbers that `acceleration` and `restitution` take."""
         return tuple(float(value) for value in self.parameters().values())

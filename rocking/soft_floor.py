@@ -161,7 +161,7 @@ def balance(xp: Any, y: Any, par: Parameters) -> Any:
 
 @dataclass(frozen=True)
 class BlockOnSoftFloor:
-    """A block on springs and dashpots; made by `rocking.effects.compliant_base`.
+    """A block on springs and dashpots; made by `rocking.effects.compliant_base`, and by `bouncing` for a hard contact.
 
     Args:
         rigid: the block on a rigid floor, with its form and hooks; its restitution is not used, for the loss of an
@@ -204,7 +204,8 @@ class BlockOnSoftFloor:
         striking = [effect.name for effect in self.effects if "restitution" in effect.ways()]
         foreign = ["rounded_edges"] * (form.edge_radius != 0.0) + ["base_adhesion"] * (form.adhesion != 0.0) + striking
         if foreign:
-            raise ValueError(f"compliant_base: it does not go together with {foreign[0]}")
+            name = further[0].name if (further := [e for e in self.effects if "freedoms" in e.ways()]) else self.name
+            raise ValueError(f"{name}: it does not go together with {foreign[0]}")
         arm2 = form.half_breadth**2 * (1.0 - 2.0 * self.spread / 3.0)
         least = 0.5 * form.mass * self.g * form.mass_height / arm2
         if self.corner_stiffness <= least:

@@ -118,14 +118,14 @@ def compose(system: System, effects: Sequence[Effect]) -> System:
     from rocking.method1 import Method1
 
     _check(effects)
-    acting = [e for e in effects if e.ways() - {"base_motion", "reading"}]
+    acting = [e for e in effects if e.ways_used() - {"base_motion", "reading"}]
     if not acting:
         return system
     if not isinstance(system, Method1):
         raise ValueError(f"{acting[0].name}: {type(system).__name__} does not carry it, want a Method1")
     if system.form != "nonlinear":
         raise ValueError(f"{acting[0].name}: the linear Method 1 does not carry it, want form='nonlinear'")
-    leading = [e for e in acting if e.ways() & {"modes"}]
+    leading = [e for e in acting if "modes" in e.ways_used()]
     if leading:
         other = next((e for e in acting if e not in leading), None)
         if other is not None:
@@ -144,7 +144,7 @@ def _composed(method: Any, effects: Sequence[Effect]) -> System:
     for effect in effects:
         form = effect.form(form, method.block)
     system: Any = ComposedMethod1(method, form, _hooks(effects, form), tuple(effects))
-    further = [e for e in effects if "freedoms" in e.ways()]
+    further = [e for e in effects if "freedoms" in e.ways_used()]
     if len(further) > 1:
         raise ValueError(f"{further[1].name}: it does not go together with {further[0].name}")
     return further[0].freedoms(system) if further else system

@@ -1,14 +1,21 @@
 """Bouncing: the corner leaves the floor after an impact.
 
-Changes     the modes: Method 2 (Ishiyama's six) in place of Method 1, with a normal restitution and no slip limit but
-            that of friction
+Changes     impacts at an instant: the modes, Method 2 (Ishiyama's six) in place of Method 1, with a normal restitution
+            and no slip limit but that of friction; contacts that last: two freedoms, a spring and a dashpot under each
+            corner (`rocking.soft_floor`)
 Parameters  normal_restitution e_n [1], 0 where it is absent; it takes the place of restitution.  friction mu [1],
-            infinite where it is absent
-Use when    short blocks or stiff floors: after an impact the corner is seen to lift
-Limits      those of Method 2; impacts are frictional (Chatterjee & Ruina 1998), so that e of eq. (4) follows: near
-            Housner's, and the lower the more the corner bounces
-Source      Ishiyama (1982); Lipscombe & Pellegrino (1993) for bouncing of short blocks; `rocking.method2`
-Status      tests of Method 2
+            infinite where it is absent.  contact_frequency f [Hz] of a corner on its spring, infinite where impacts
+            happen at an instant; a corner with one does not slip
+Use when    short blocks or stiff floors: after an impact the corner is seen to lift, or the block rattles.  How high a
+            corner bounces hangs on whether the other one is still in contact: f decides on that, not on the bounce
+            alone, and above some 200 Hz its value hardly matters
+Limits      at an instant those of Method 2: impacts are frictional (Chatterjee & Ruina 1998), so that e of eq. (4)
+            follows: near Housner's, and the lower the more the corner bounces.  With f it goes with effects on form
+            and flow, and not with sliding, rounded_edges, base_adhesion or compliant_base
+Source      Ishiyama (1982); Lipscombe & Pellegrino (1993) for bouncing of short blocks; `rocking.method2`.  The
+            dashpot leaves e_n of a speed within half a period, xi = -ln e_n / sqrt(pi^2 + ln^2 e_n); a contact that
+            does not pull ends earlier and leaves somewhat more (Schwager & Poeschel 2007, Granular Matter 9, 465-469)
+Status      tests of Method 2, and of the floor that gives
 """
 
 from __future__ import annotations
@@ -17,22 +24,61 @@ import math
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
+from rocking.composed import ComposedMethod1
 from rocking.effect import Effect
 from rocking.hybrid import System
 from rocking.method1 import Method1
 from rocking.method2 import Method2
+from rocking.soft_floor import BlockOnSoftFloor
+
+HELD = 20.0
+"""Stiffness of a corner along the floor over that normal to it: friction without limit holds it in place."""
 
 
 @dataclass(frozen=True)
 class Bouncing(Effect):
-    """Normal restitution [1] of a corner, and friction [1] (infinite if not given)."""
+    """Normal restitution [1] of a corner, friction [1] (infinite if not given), frequency of its contact [Hz]."""
 
     normal_restitution: float = 0.0
     friction: float = math.inf
+    contact_frequency: float = math.inf
 
     name: ClassVar[str] = "bouncing"
-    units: ClassVar[dict[str, str]] = {"normal_restitution": "1", "friction": "1"}
-    ranges: ClassVar[dict[str, tuple[float, float]]] = {"normal_restitution": (0.0, 1.0), "friction": (0.0, math.inf)}
+    units: ClassVar[dict[str, str]] = {"normal_restitution": "1", "friction": "1", "contact_frequency": "Hz"}
+    ranges: ClassVar[dict[str, tuple[float, float]]] = {
+        "normal_restitution": (0.0, 1.0),
+        "friction": (0.0, math.inf),
+        "contact_frequency": (0.0, math.inf),
+    }
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.contact_frequency < math.inf and self.friction < math.inf:
+            raise ValueError(
+                f"bouncing.friction={self.friction!r}: want none beside bouncing.contact_frequency="
+                f"{self.contact_frequency!r} Hz, a corner with one does not slip"
+            )
+
+    def ways_used(self) -> frozenset[str]:
+        """Further freedoms where contacts last, other modes where impacts happen at an instant."""
+        return frozenset({"modes" if self.contact_frequency == math.inf else "freedoms"})
+
+    def freedoms(self, system: ComposedMethod1) -> System:
+        """The block on a spring and a dashpot under each corner.
+
+        Raises:
+            ValueError: the springs are so soft that the block cannot stand, or it has an effect that these equations
+                do not have.
+        """
+        form = system.form
+        felt = form.mass / (1.0 + form.half_breadth**2 / form.rho2)  # of the block at a corner, normal to the floor
+        stiffness = felt * (2.0 * math.pi * self.contact_frequency) ** 2
+        lost = -math.log(self.normal_restitution) if self.normal_restitution > 0.0 else math.inf
+        share = lost / math.hypot(math.pi, lost) if lost < math.inf else 1.0
+        try:
+            return BlockOnSoftFloor(system, stiffness, share * math.sqrt(felt / form.mass), 0.0, HELD)
+        except ValueError as error:
+            raise ValueError(f"bouncing.contact_frequency={self.contact_frequency!r} Hz: {error}") from None
 
     def modes(self, method: Method1 | Method2) -> System:
         """The block under Method 2 with this restitution of its corners.

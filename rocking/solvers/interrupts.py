@@ -28,7 +28,8 @@ def handed_over(compiled: Callable[..., Any], *arguments: Any) -> Any:
         KeyboardInterrupt: Ctrl-C came in the meantime; raised after the call.  A second one is heard at once, as while
             the function is compiled.
     """
-    if threading.current_thread() is not threading.main_thread():
+    # Asked by number: `current_thread` makes an entry that stays for a thread that `threading` did not start.
+    if threading.get_ident() != threading.main_thread().ident:
         return compiled(*arguments)
     usual = getsignal(SIGINT)
     if not callable(usual):
@@ -37,6 +38,8 @@ def handed_over(compiled: Callable[..., Any], *arguments: Any) -> Any:
 
     def note(number: int, frame: FrameType | None) -> None:
         came.append((number, frame))
+        if len(came) == 2:
+            usual(*came[0])
         if len(came) > 1:
             usual(number, frame)
 

@@ -37,12 +37,14 @@ from studies.loop.tracing import (
     search,
     search_costly,
 )
-from studies.loop.whole_records import asked, explains_more
+from studies.loop.whole_records import HINT, asked, explains_more, merged
 from studies.loop.windows import PEAK_OVER_NOISE, SIDE, scored_window
 
 Array = NDArray[np.float64]
 Tell = Callable[[str], None]
 Verdict = Literal["effect", "none", "unexplained"]
+Accepted = tuple[Trial, Fit]
+"""A trial and its fit on whole records."""
 
 STANDARD_GRAVITY = 9.81
 """Gravity [m/s^2] where the laboratory does not say its own."""
@@ -150,7 +152,7 @@ def close(
             f"single swings do not settle on {hint}: whole records decided, as far as the noise of the base leaves "
             "them predictable"
         )
-    if verdict == "none" and setup.by_rotation and _missed(fits[-1]):
+    if verdict == "none" and setup.by_rotation and missed(fits[-1]):
         verdict = "unexplained"
         notes.append(
             f"single swings are explained down to their noise, whole records are missed by {fits[-1].rms:.1f} times "
@@ -188,17 +190,7 @@ def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[R
         if depth >= MOST_EFFECTS_COSTLY and path[-1].costly:
             break
         tell(f"tracing, round {depth + 1}")
-        tried = search(
-            setup.simulator, path[-1], pool, tell, explained=lambda t: _over_noise(setup, t) < _structure(setup)
-        )
-        accepted, confirmed = _accepted(setup, path[-1], fits[-1], tried, pool, tell)
-        # Swings that leave nothing say nothing of a soft floor; whole records that are missed still may.
-        if tried.put_off and _missed(fits[-1] if accepted is None else accepted[1]):
-            floors = tried.put_off
-            search_costly(setup.simulator, tried, tell)
-            found, decided = _accepted(setup, path[-1], fits[-1], tried, floors, tell)
-            if found and (accepted is None or explains_more(setup, found[1], accepted[1])):
-                accepted, confirmed = found, decided
+        tried, accepted, confirmed = _round(setup, path[-1], fits[-1], pool, tell)
         rounds.append(tried)
         if accepted is None:
             break
@@ -208,14 +200,46 @@ def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[R
     return path, rounds, fits, rivals
 
 
-def _accepted(
-    setup: Setup, onto: Trial, whole: Fit, tried: Round, pool: Sequence[Candidate], tell: Tell
-) -> tuple[tuple[Trial, Fit] | None, tuple[Rival, ...]]:
-    """The trial of a round that pays, with its fit on whole records, and the rivals if these decided among them.
+def _round(
+    setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate], tell: Tell
+) -> tuple[Round, Accepted | None, tuple[Rival, ...]]:
+    """What was tried on top of a trial, what of it is accepted, and the rivals if whole records decided among them.
 
-    whole: the fit on whole records of what the round adds to.
+    whole: the fit on whole records of the trial.
     """
-    accepted: tuple[Trial, Fit] | None = None
+
+    def explained(trial: Trial) -> bool:
+        # Where a block slips what is left is a median over the windows, and says nothing of a minority of them.
+        return not _slips(trial) and _over_noise(setup, trial) < _structure(setup)
+
+    tried = search(setup.simulator, onto, pool, tell, explained=explained)
+    accepted, confirmed = _accepted(setup, onto, whole, tried, pool, tell)
+    if not tried.put_off:
+        return tried, accepted, confirmed
+    # Swings that leave nothing say nothing of a soft floor; whole records that are missed still may, and so may swings
+    # of which what was accepted leaves more than what was not.
+    stands, its_whole = (onto, whole) if accepted is None else accepted
+    if not (setup.by_rotation and missed(its_whole)) and _over_noise(setup, stands) < _structure(setup):
+        return tried, accepted, confirmed
+    floors = Round(onto, search_costly(setup.simulator, tried, tell))
+    found, decided = _accepted(setup, onto, whole, floors, (), tell, hint=-PAYS)
+    known = {t.names for t in tried.trials}
+    tried.trials += [t for t in floors.trials if t.names not in known]
+    if found is None:
+        return tried, accepted, confirmed
+    if confirmed and decided:
+        both = merged(confirmed, decided)
+        return tried, (both[0].trial, both[0].whole), both
+    if accepted is None or explains_more(setup, found[1], accepted[1]):
+        return tried, found, decided
+    return tried, accepted, confirmed
+
+
+def _accepted(
+    setup: Setup, onto: Trial, whole: Fit, tried: Round, pool: Sequence[Candidate], tell: Tell, hint: float = HINT
+) -> tuple[Accepted | None, tuple[Rival, ...]]:
+    """The trial of a round that pays, and the rivals if whole records decided among them."""
+    accepted: Accepted | None = None
     best = tried.best
     likely = best is not None and pays(onto.swing, best.swing)
     if best is not None and likely:
@@ -228,7 +252,7 @@ def _accepted(
     if not setup.by_rotation or (likely and (onto.parts or not unsettled)):
         return accepted, ()
     tell("asking whole records")
-    confirmed = asked(setup, onto, whole, tried, pool)
+    confirmed = asked(setup, onto, whole, tried, pool, hint)
     confirmed = tuple(r for r in confirmed if gain(setup, whole, r.whole) > LEAST_GAIN)
     if not confirmed or (accepted is not None and not explains_more(setup, confirmed[0].whole, accepted[1])):
         return accepted, ()
@@ -260,7 +284,7 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
     return best, "unexplained"
 
 
-def _missed(whole: Fit) -> bool:
+def missed(whole: Fit) -> bool:
     """Whether whole records cannot be called explained."""
     missed = int(np.count_nonzero(whole.by_window > MISSED_BY_FAR))
     return whole.rms > MISSED_BY_FAR and missed >= min(MISSED_RECORDS, len(whole.by_window))
@@ -284,13 +308,17 @@ def _over_noise(setup: Setup, trial: Trial) -> float:
     median over the windows, so that structure has to be in half of them to be seen.
     """
     swing = trial.swing
-    if any(part.slips for part in trial.parts):
+    if _slips(trial):
         return math.sqrt(float(np.median([r @ r / max(r.size - 2, 1) for r in swing.residuals])))
     least = {record.test: PEAK_OVER_NOISE * record.noise for record in setup.records}
     left = [r for r, w in zip(swing.residuals, swing.windows, strict=True) if abs(w.theta) > least[w.test]]
     samples = sum(r.size for r in left)
     free = 2 * len(left) + len(swing.parameters)
     return math.sqrt(sum(float(r @ r) for r in left) / max(samples - free, 0.1 * samples, 1.0))
+
+
+def _slips(trial: Trial) -> bool:
+    return any(part.slips for part in trial.parts)
 
 
 def _structure(setup: Setup) -> float:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies.campaigns import Test
-from studies.loop.closing import Finding
+from studies.loop.closing import Finding, missed
 from studies.loop.learning import LEARNED
 from studies.loop.model import LoopModel
 from studies.loop.names import readable
@@ -84,13 +84,16 @@ def next_test(finding: Finding) -> str:
 
 
 def _repeated(finding: Finding) -> str:
-    """The test to repeat as it was where whole records are missed and no model differs from the ideal block."""
-    whole = finding.after_fit
-    k = int(np.argmax(whole.by_window))
-    missed = finding.setup.campaign.tests[whole.windows[k].test].id
+    """The test to repeat as it was where something is missed and no model differs from the ideal block."""
+    tests = finding.setup.campaign.tests
+    if missed(finding.after_fit):
+        far, windows, what = finding.after_fit.by_window, finding.after_fit.windows, "its record is"
+    else:
+        far, windows, what = finding.chosen.swing.by_window, finding.chosen.swing.windows, "one of its swings is"
+    k = int(np.argmax(far))
     return (
-        f"Repeat {missed} as it was, and watch whether the block slips, hops or turns about its vertical axis: its "
-        f"record is missed by {whole.by_window[k]:.0f} times its noise.  Where the block does the same again, the "
+        f"Repeat {tests[windows[k].test].id} as it was, and watch whether the block slips, hops or turns about its "
+        f"vertical axis: {what} missed by {far[k]:.0f} times the noise.  Where the block does the same again, the "
         "model lacks an effect; where it does not, the record hangs on what nobody can measure."
     )
 

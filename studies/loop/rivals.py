@@ -21,6 +21,10 @@ NEAR_TWIN = 400.0
 """Rivals within this after the search are fitted again to the end before they are ruled out."""
 
 
+FURTHER_COSTLY = 4
+"""Steps of such a fit where a run takes long: the search went to the end with those that come near."""
+
+
 @dataclass(frozen=True)
 class Rival:
     """A set of effects as it ended: fits, criterion and errors."""
@@ -38,9 +42,10 @@ def near(setup: Setup, tried: Round, best: Trial, whole: Fit) -> tuple[Rival, ..
     for trial in sorted(tried.trials, key=lambda t: bic(t.swing)):
         if trial is not best and bic(trial.swing) - bic(best.swing) > NEAR_TWIN:
             continue
+        iterations, tolerance = (FURTHER_COSTLY, 1e-4) if trial.costly else (20, 1e-6)
         ended = fit(
-            setup.simulator, trial.swing.model, trial.every, trial.swing.windows, iterations=20,
-            tolerance=1e-6,
+            setup.simulator, trial.swing.model, trial.every, trial.swing.windows, iterations=iterations,
+            tolerance=tolerance,
         )  # fmt: skip
         settled = replace(trial, swing=ended if ended.chi2 <= trial.swing.chi2 else trial.swing)
         own = whole_fit(setup, settled, whole)

@@ -43,6 +43,9 @@ ENDED = 4
 SAME = 3.0
 """Minima closer than this many standard deviations are one."""
 
+MENDED = 2.0
+"""A record that is lost in two fits still tells them apart where its rms differs by this factor."""
+
 FEWEST_SAMPLES = 20
 """Of a part of a record that says something [1]."""
 
@@ -221,11 +224,12 @@ def gain(setup: Setup, without: Fit, found: Fit) -> float:
 
 
 def where_told(one: Fit, other: Fit) -> tuple[float, float]:
-    """Chi-square of two fits of whole records, without the records that are lost in both, unless all are.
+    """Chi-square of two fits of whole records, without those that are lost in both to about the same, unless all are.
 
     How far off a block is after it went the other way, or fell in the last second, is chance.
     """
-    told = np.minimum(one.by_window, other.by_window) < ROBUST
+    least, most = np.minimum(one.by_window, other.by_window), np.maximum(one.by_window, other.by_window)
+    told = (least < ROBUST) | (most > MENDED * least)
     kept = np.flatnonzero(told) if told.any() else np.arange(told.size)
     first, second = (
         float(objectives([f.residuals[i] for i in kept], [f.windows[i] for i in kept], ROBUST, True).sum())

@@ -28,7 +28,7 @@ PAYS = 60.0
 """An effect has to lower chi-square by this many times max(1, chi-square per sample)."""
 
 LEAST_GAIN = 0.03
-"""And the weighted rms of whole records by this share."""
+"""And the weighted rms of whole records by this share, those aside that are lost with it and without it."""
 
 SHORTLIST = 8
 """Smooth effects beyond this rank are refitted only if their score comes near that of the first."""
@@ -160,7 +160,7 @@ def search(
 
     repeated: whether an effect that is there already may be tried in another form.
     explained: whether a trial leaves nothing over its noise; candidates whose runs take long, and which have more
-        parameters than most, are tried only where neither the trial nor a cheaper candidate does so.
+        parameters than most, are put off where the trial or a cheaper candidate does so (`search_costly` tries them).
     """
     found = Round(onto)
     open_to_it = [c for c in pool if c.in_swings and (repeated or c.effect not in onto.effects)]
@@ -183,12 +183,16 @@ def search(
     return found
 
 
-def search_costly(simulator: Simulator, found: Round, tell: Callable[[str], None] = lambda text: None) -> None:
-    """Add to a round the candidates that it put off."""
+def search_costly(
+    simulator: Simulator, found: Round, tell: Callable[[str], None] = lambda text: None
+) -> list[Trial]:  # fmt: skip
+    """Add to a round the candidates that it put off; the trials of these."""
     candidates, found.put_off = found.put_off, ()
     for c in candidates:
         found.skipped.pop(c.name, None)
+    before = len(found.trials)
     _fitted(simulator, candidates, found, tell)
+    return found.trials[before:]
 
 
 def _fitted(simulator: Simulator, candidates: Sequence[Candidate], found: Round, tell: Callable[[str], None]) -> None:

@@ -47,12 +47,18 @@ TELLING = 3
 """Records on which the starts are compared."""
 
 
-def asked(setup: Setup, onto: Trial, whole: Fit, tried: Round, pool: Sequence[Candidate]) -> tuple[Rival, ...]:
+def asked(
+    setup: Setup, onto: Trial, whole: Fit, tried: Round, pool: Sequence[Candidate], hint: float = HINT
+) -> tuple[Rival, ...]:
     """What whole records confirm of the effects that swings only hint at, and of those scanned; the best first."""
     found = scan(setup, onto, whole, pool)
-    confirmed = [*hinted(setup, onto, whole, tried), *([] if found is None else [found])]
+    return merged(hinted(setup, onto, whole, tried, hint), () if found is None else (found,))
+
+
+def merged(one: Sequence[Rival], other: Sequence[Rival]) -> tuple[Rival, ...]:
+    """Rivals of both, the best first, each set of effects once."""
     best: dict[tuple[str, ...], Rival] = {}
-    for rival in sorted(confirmed, key=lambda r: r.criterion):
+    for rival in sorted([*one, *other], key=lambda r: r.criterion):
         best.setdefault(rival.trial.names, rival)
     return tuple(best.values())
 
@@ -62,7 +68,8 @@ def explains_more(setup: Setup, found: Fit, other: Fit) -> bool:
     windows = [replace(w, sd=o.sd) for w, o in zip(other.windows, found.windows, strict=True)]
     own, its = (fit(setup.simulator, f.model, [], w, whole=True, iterations=0)
                 for f, w in ((found, found.windows), (other, windows)))  # fmt: skip
-    return own.chi2 < its.chi2 - PAYS * max(1.0, own.chi2 / own.samples)
+    left, plain = where_told(own, its)
+    return left < plain - PAYS * max(1.0, left / own.samples)
 
 
 def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Rival | None:
@@ -156,14 +163,16 @@ def _as_rival(
     return Rival(settled, ended, bic(own), bic(ended), held)
 
 
-def hints(onto: Trial, tried: Round) -> list[Trial]:
+def hints(onto: Trial, tried: Round, hint: float = HINT) -> list[Trial]:
     """The trials of a round that swings hint at, the strongest hints first."""
-    likely = [t for t in tried.trials if t.parts[-1].in_swings and bic(t.swing) < bic(onto.swing) - HINT]
+    likely = [t for t in tried.trials if t.parts[-1].in_swings and bic(t.swing) < bic(onto.swing) - hint]
     return sorted(likely, key=lambda t: bic(t.swing))[:MOST_HINTS]
 
 
-def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round) -> tuple[Rival, ...]:
+def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round, hint: float = HINT) -> tuple[Rival, ...]:
     """Of the effects that swings only hint at, those that whole records confirm, the best first.
+
+    hint: what an effect lowers the criterion of the swings by, at the least.
 
     An effect may be too small for a swing and yet turn the end of a record.  Records are compared while they are
     predictable, and one that is lost altogether counts less.
@@ -176,7 +185,7 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round) -> tuple[Rival, 
     telling = np.sort(np.argsort(-without.by_window)[:TELLING])
     some = [windows[i] for i in telling]
     found = []
-    for trial in hints(onto, tried):
+    for trial in hints(onto, tried, hint):
         models = [trial.swing.model]
         if not trial.costly:
             sure = sensor_covariance(setup.simulator, trial.swing)

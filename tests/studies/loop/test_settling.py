@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from studies.campaigns import Channel, DeclaredBlock
-from studies.loop.closing import _missed
+from studies.loop.closing import missed
 from studies.loop.fitting import Parameter
 from studies.loop.model import LoopModel
 from studies.loop.settling import FEWEST_SAMPLES, PREDICTABLE, _apart, _disagreement, neighbours, predictable
@@ -88,7 +88,7 @@ def test_one_lost_record_makes_no_campaign_unexplained() -> None:
         return SimpleNamespace(rms=float(np.sqrt(np.mean(values**2))), by_window=values)
 
     # An impact that hangs on the noise of the base loses a record; what acts on a block acts in more than one.
-    assert not _missed(records(1.0, 1.1, 0.9, 30.0))
-    assert _missed(records(1.0, 1.1, 8.0, 30.0))
-    assert not _missed(records(1.0, 2.0, 2.9, 2.9))
-    assert _missed(records(8.0))  # of one record there is no other to ask
+    assert not missed(records(1.0, 1.1, 0.9, 30.0))
+    assert missed(records(1.0, 1.1, 8.0, 30.0))
+    assert not missed(records(1.0, 2.0, 2.9, 2.9))
+    assert missed(records(8.0))  # of one record there is no other to ask
