@@ -187,7 +187,7 @@ def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[R
     for depth in range(MOST_EFFECTS):
         if depth > 1 and path[-1].swing.rms < NOTHING_LEFT:
             break
-        if depth >= MOST_EFFECTS_COSTLY and path[-1].costly:
+        if path[-1].costly and (depth >= MOST_EFFECTS_COSTLY or _leaves_nothing(setup, path[-1], fits[-1])):
             break
         tell(f"tracing, round {depth + 1}")
         tried, accepted, confirmed = _round(setup, path[-1], fits[-1], pool, tell)
@@ -282,6 +282,10 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
     if bic(routes[0].swing) < bic(best.swing) + PAYS:
         best = routes[0]
     return best, "unexplained"
+
+
+def _leaves_nothing(setup: Setup, trial: Trial, whole: Fit) -> bool:
+    return _over_noise(setup, trial) < _structure(setup) and not missed(whole)
 
 
 def missed(whole: Fit) -> bool:

@@ -42,6 +42,11 @@ def near(setup: Setup, tried: Round, best: Trial, whole: Fit) -> tuple[Rival, ..
     for trial in sorted(tried.trials, key=lambda t: bic(t.swing)):
         if trial is not best and bic(trial.swing) - bic(best.swing) > NEAR_TWIN:
             continue
+        if trial is best and trial.costly:
+            # The search went to the end with it, and its fit on whole records is there.
+            held = errors(setup, whole.model, whole.windows).holdout
+            found.append(Rival(trial, whole, bic(trial.swing), bic(whole), held))
+            continue
         iterations, tolerance = (FURTHER_COSTLY, 1e-4) if trial.costly else (20, 1e-6)
         ended = fit(
             setup.simulator, trial.swing.model, trial.every, trial.swing.windows, iterations=iterations,
