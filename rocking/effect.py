@@ -88,7 +88,10 @@ class Effect:
         return frozenset(way for way in WAYS if getattr(cls, way) is not getattr(Effect, way))
 
     def ways_used(self) -> frozenset[str]:
-        """Those of its ways in which it acts with these parameters; all, if a subclass does not say otherwise."""
+        """Its ways but, for one that acts on modes or freedoms, those of the two that these parameters leave out.
+
+        All its ways, if a subclass does not say otherwise.
+        """
         return self.ways()
 
     def values(self, form: Form) -> tuple[float, ...]:

@@ -6,9 +6,9 @@ Changes     impacts at an instant: the modes, Method 2 (Ishiyama's six) in place
 Parameters  normal_restitution e_n [1], 0 where it is absent; it takes the place of restitution.  friction mu [1],
             infinite where it is absent.  contact_frequency f [Hz] of a corner on its spring, infinite where impacts
             happen at an instant; a corner with one does not slip
-Use when    short blocks or stiff floors: after an impact the corner is seen to lift, or the block rattles.  How high a
-            corner bounces hangs on whether the other one is still in contact: f decides on that, not on the bounce
-            alone, and above some 200 Hz its value hardly matters
+Use when    short blocks or stiff floors: after an impact the corner is seen to lift, or the block rattles.  With f a
+            corner may bounce while the other one is still in contact; what a swing of a slender block loses is then
+            much the same for a higher f and a lower e_n
 Limits      at an instant those of Method 2: impacts are frictional (Chatterjee & Ruina 1998), so that e of eq. (4)
             follows: near Housner's, and the lower the more the corner bounces.  With f it goes with effects on form
             and flow, and not with sliding, rounded_edges, base_adhesion or compliant_base
@@ -78,6 +78,8 @@ class Bouncing(Effect):
         try:
             return BlockOnSoftFloor(system, stiffness, share * math.sqrt(felt / form.mass), 0.0, HELD)
         except ValueError as error:
+            if not str(error).startswith("corner_stiffness"):
+                raise
             raise ValueError(f"bouncing.contact_frequency={self.contact_frequency!r} Hz: {error}") from None
 
     def modes(self, method: Method1 | Method2) -> System:

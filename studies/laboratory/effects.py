@@ -163,7 +163,7 @@ def bouncing(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     w = lab.world
     # The corner feels less than the whole block: 1/m_eff = 1/m + b^2/I.
     felt = 1.0 / (1.0 / w.mass + w.half_breadth**2 / w.inertia)
-    stiffness = felt * (2 * np.pi * 250.0) ** 2
+    stiffness = felt * (2 * np.pi * (150.0 + 300.0 * d.other)) ** 2
     hard = _world(lab, stiffness=stiffness, damping=2 * ratio * np.sqrt(stiffness * felt), springs=2.0, friction=HOLDS)
     return replace(hard, engine="contact"), {"normal_restitution": e_n}
 

@@ -142,7 +142,7 @@ def close(
     tell("comparing rivals")
     hint = path[-1].names[-1] if rivals else ""
     if not rivals and len(path) > 1 and path[-1].parts[-1].in_swings:
-        rivals = near(setup, rounds[len(path) - 2], path[-1], fits[-1])
+        rivals = _borne_out(setup, near(setup, rounds[len(path) - 2], path[-1], fits[-1]), path[-1], fits[-1])
     if rivals:
         path[-1], fits[-1] = rivals[0].trial, rivals[0].whole
     chosen, verdict = _explained(setup, plain, path[-1], tell)
@@ -198,6 +198,13 @@ def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[R
         fits.append(accepted[1])
         rivals = confirmed
     return path, rounds, fits, rivals
+
+
+def _borne_out(setup: Setup, rivals: Sequence[Rival], chosen: Trial, whole: Fit) -> tuple[Rival, ...]:
+    """The rivals without those that whole records refused, where these were what brought a soft floor in."""
+    if not chosen.costly:
+        return tuple(rivals)
+    return tuple(r for r in rivals if r.trial.costly or not explains_more(setup, whole, r.whole))
 
 
 def _round(
@@ -314,11 +321,16 @@ def _over_noise(setup: Setup, trial: Trial) -> float:
     swing = trial.swing
     if _slips(trial):
         return math.sqrt(float(np.median([r @ r / max(r.size - 2, 1) for r in swing.residuals])))
-    least = {record.test: PEAK_OVER_NOISE * record.noise for record in setup.records}
-    left = [r for r, w in zip(swing.residuals, swing.windows, strict=True) if abs(w.theta) > least[w.test]]
+    left = [swing.residuals[i] for i in swings_that_count(setup, trial)]
     samples = sum(r.size for r in left)
     free = 2 * len(left) + len(swing.parameters)
     return math.sqrt(sum(float(r @ r) for r in left) / max(samples - free, 0.1 * samples, 1.0))
+
+
+def swings_that_count(setup: Setup, trial: Trial) -> list[int]:
+    """Indices of the windows that the trial itself does not take for less than a swing."""
+    least = {record.test: PEAK_OVER_NOISE * record.noise for record in setup.records}
+    return [i for i, w in enumerate(trial.swing.windows) if abs(w.theta) > least[w.test]]
 
 
 def _slips(trial: Trial) -> bool:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -102,12 +102,13 @@ def _table(path: Path, content: dict[str, Any], name: str) -> dict[str, Any]:
     return table
 
 
-def _number(path: Path, name: str, value: Any) -> float:
+def _number(path: Path, name: str, value: Any, absent: float = 0.0) -> float:
+    """The value as a number; infinite only where that is what says that a parameter is not there."""
     try:
         number = math.nan if isinstance(value, bool) or not isinstance(value, int | float) else float(value)
     except OverflowError:
         number = math.nan
-    if not math.isfinite(number):
+    if not math.isfinite(number) and number != absent:
         raise ModelError(f"{path}: {name}={shown(value)}: want a number that is finite")
     return number
 
@@ -131,5 +132,8 @@ def _effects(path: Path, tables: Any) -> dict[str, dict[str, float]]:
         strange = [key for key in parameters if key not in known]
         if strange:
             raise ModelError(f"{path}: effects.{name} has no {shown(strange[0])}, want one of {', '.join(known)}")
-        out[name] = {key: _number(path, f"effects.{name}.{key}", value) for key, value in parameters.items()}
+        defaults: dict[str, Any] = {field.name: field.default for field in fields(load(name))}  # type: ignore[arg-type]
+        out[name] = {
+            key: _number(path, f"effects.{name}.{key}", value, defaults[key]) for key, value in parameters.items()
+        }
     return out

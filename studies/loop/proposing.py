@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies.campaigns import Test
-from studies.loop.closing import Finding, missed
+from studies.loop.closing import Finding, missed, swings_that_count
 from studies.loop.learning import LEARNED
 from studies.loop.model import LoopModel
 from studies.loop.names import readable
@@ -86,11 +86,12 @@ def next_test(finding: Finding) -> str:
 def _repeated(finding: Finding) -> str:
     """The test to repeat as it was where something is missed and no model differs from the ideal block."""
     tests = finding.setup.campaign.tests
-    if missed(finding.after_fit):
+    if finding.setup.by_rotation and missed(finding.after_fit):
         far, windows, what = finding.after_fit.by_window, finding.after_fit.windows, "its record is"
+        k = int(np.argmax(far))
     else:
         far, windows, what = finding.chosen.swing.by_window, finding.chosen.swing.windows, "one of its swings is"
-    k = int(np.argmax(far))
+        k = max(swings_that_count(finding.setup, finding.chosen) or range(far.size), key=lambda i: far[i])
     return (
         f"Repeat {tests[windows[k].test].id} as it was, and watch whether the block slips, hops or turns about its "
         f"vertical axis: {what} missed by {far[k]:.0f} times the noise.  Where the block does the same again, the "

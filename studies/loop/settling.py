@@ -43,8 +43,9 @@ ENDED = 4
 SAME = 3.0
 """Minima closer than this many standard deviations are one."""
 
-MENDED = 2.0
-"""A record that is lost in two fits still tells them apart where its rms differs by this factor."""
+NEARLY, MENDED = 2.0, 3.0
+"""A record that is lost in two fits still tells them apart where the smaller rms is so little over what counts as lost,
+and the larger one so many times that."""
 
 FEWEST_SAMPLES = 20
 """Of a part of a record that says something [1]."""
@@ -219,23 +220,24 @@ def gain(setup: Setup, without: Fit, found: Fit) -> float:
     """Share by which a fit of whole records lowers the rms, what is far off counting little, of one without it [1]."""
     windows = [replace(w, sd=o.sd) for w, o in zip(without.windows, found.windows, strict=True)]
     plain = fit(setup.simulator, without.model, [], windows, whole=True, iterations=0)
-    with_it, without_it = where_told(found, plain)
+    with_it, without_it, _ = where_told(found, plain)
     return 1.0 - math.sqrt(with_it / without_it)
 
 
-def where_told(one: Fit, other: Fit) -> tuple[float, float]:
-    """Chi-square of two fits of whole records, without those that are lost in both to about the same, unless all are.
+def where_told(one: Fit, other: Fit) -> tuple[float, float, int]:
+    """Chi-square of two fits of whole records, and the samples, without the records that say nothing, unless all do so.
 
-    How far off a block is after it went the other way, or fell in the last second, is chance.
+    How far off a block is after it went the other way, or fell in the last second, is chance: a record that is lost in
+    both fits is told by one of them only if that nearly explains it, and the other one does so by far less.
     """
     least, most = np.minimum(one.by_window, other.by_window), np.maximum(one.by_window, other.by_window)
-    told = (least < ROBUST) | (most > MENDED * least)
+    told = (least < ROBUST) | ((least < NEARLY * ROBUST) & (most > MENDED * least))
     kept = np.flatnonzero(told) if told.any() else np.arange(told.size)
     first, second = (
         float(objectives([f.residuals[i] for i in kept], [f.windows[i] for i in kept], ROBUST, True).sum())
         for f in (one, other)
     )
-    return first, second
+    return first, second, sum(one.residuals[i].size for i in kept)
 
 
 def intervals(chosen: Trial, settled: Settled) -> dict[str, tuple[float, float, float]]:

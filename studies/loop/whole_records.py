@@ -68,8 +68,8 @@ def explains_more(setup: Setup, found: Fit, other: Fit) -> bool:
     windows = [replace(w, sd=o.sd) for w, o in zip(other.windows, found.windows, strict=True)]
     own, its = (fit(setup.simulator, f.model, [], w, whole=True, iterations=0)
                 for f, w in ((found, found.windows), (other, windows)))  # fmt: skip
-    left, plain = where_told(own, its)
-    return left < plain - PAYS * max(1.0, left / own.samples)
+    left, plain, samples = where_told(own, its)
+    return left < plain - PAYS * max(1.0, left / samples)
 
 
 def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Rival | None:
@@ -208,7 +208,7 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round, hint: float = HI
 
 def _explains(own: Fit, without: Fit) -> bool:
     """Whether an effect lowers what is left of records by enough; what is lost with and without it says nothing."""
-    with_it, plain = where_told(own, without)
+    with_it, plain, _ = where_told(own, without)
     return with_it < (1.0 - LEAST_OF_A_SCAN) ** 2 * plain
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from rocking import Block, Method1, solve
+from rocking import Block, Method1, Method2, solve
 from rocking.effects import compose, load, parse
 from rocking.hybrid import REST, Base, Discrete
 from rocking.soft_floor import BlockOnSoftFloor, foot
@@ -67,8 +67,20 @@ def test_a_hard_contact_keeps_more_of_a_swing_the_less_it_damps():
     assert 0.06 < peaks[0] < peaks[1] < peaks[2] < 0.12
 
 
+@pytest.mark.parametrize("solver", ["scipy", "diffrax"])
+def test_solvers_agree(solver):
+    at = np.arange(0.0, 0.5, 0.01)
+    runs = [
+        solve(METHOD, theta=0.05, t_end=0.5, save_at=at, effects=[contact(0.6)], solver=name)
+        for name in ("numba", solver)
+    ]
+    assert len(runs[0].impact_times) > 0
+    np.testing.assert_allclose(runs[1].theta, runs[0].theta, atol=2e-6)
+
+
 def test_what_it_goes_together_with():
     assert isinstance(compose(METHOD, [contact(0.5), *parse(["viscous_damping.coefficient=0.1"])]), BlockOnSoftFloor)
+    assert isinstance(compose(METHOD, parse(["bouncing.normal_restitution=0.4"])), Method2)
     for other, said in [
         ("rounded_edges.radius=0.01", "it does not go together with rounded_edges"),
         ("base_adhesion.moment=1.0", "it does not go together with base_adhesion"),

@@ -6,6 +6,7 @@ import pytest
 
 from studies.campaigns import DeclaredBlock
 from studies.loop.__main__ import main
+from studies.loop.candidates import Candidate, candidates
 from studies.loop.model import LoopModel
 from studies.loop.model_file import ModelError, read_model, write_model
 
@@ -18,6 +19,22 @@ MODEL = LoopModel(
 def test_a_model_reads_back_to_the_same_bits(tmp_path: Path) -> None:
     write_model(MODEL, tmp_path / "model.toml", "a title")
     assert read_model(tmp_path / "model.toml") == MODEL
+
+
+@pytest.mark.parametrize("candidate", candidates(BLOCK), ids=lambda c: c.name)
+def test_whatever_the_loop_may_find_reads_back(tmp_path: Path, candidate: Candidate) -> None:
+    values = (*candidate.starts, *candidate.scanned)[0]
+    found = LoopModel(BLOCK, 0.93, g=9.81).changed({**candidate.fixed, **values})
+    write_model(found, tmp_path / "model.toml")
+    assert read_model(tmp_path / "model.toml") == found
+
+
+def test_infinity_is_a_number_only_where_it_says_that_something_is_not_there(tmp_path: Path) -> None:
+    path = tmp_path / "model.toml"
+    write_model(MODEL, path)
+    path.write_text(path.read_text().replace("radius = 0.0031", "radius = inf"))
+    with pytest.raises(ModelError, match=r"effects.rounded_edges.radius=inf: want a number that is finite"):
+        read_model(path)
 
 
 @pytest.mark.parametrize(

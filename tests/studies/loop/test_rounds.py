@@ -23,19 +23,22 @@ def whole(*rms):
 
 
 def test_records_lost_in_both_count_where_an_effect_mends_most_of_them():
-    # From hopeless to nearly explained, as with the first of two effects; 0.54 is by hand: 50 (1 + sum of 16 (1 +
-    # ln(r^2 / 16))), the law of Cauchy beyond four deviations.
-    with_it, without = where_told(whole(1.0, 4.2, 5.0, 6.0), whole(1.0, 60.0, 80.0, 100.0))
+    # From hopeless to nearly explained, as with the first of two effects.  Cauchy's law beyond four deviations.
+    with_it, without, samples = where_told(whole(1.0, 4.2, 5.0, 6.0), whole(1.0, 60.0, 80.0, 100.0))
 
     def left(*rms):
         return 50.0 * sum(r**2 if r < 4.0 else 16.0 * (1.0 + math.log(r**2 / 16.0)) for r in rms)
 
     assert with_it == pytest.approx(left(1.0, 4.2, 5.0, 6.0))
     assert without == pytest.approx(left(1.0, 60.0, 80.0, 100.0))
-    # Lost to about the same in both: nothing is said, unless there is nothing else.
-    with_it, without = where_told(whole(1.0, 25.0), whole(2.0, 40.0))
+    assert samples == 200
+    # Lost in both: nothing is said, however far off a block is that went the other way, unless there is nothing else.
+    with_it, without, samples = where_told(whole(1.0, 25.0), whole(2.0, 40.0))
     assert (with_it, without) == (pytest.approx(left(1.0)), pytest.approx(left(2.0)))
-    with_it, without = where_told(whole(25.0), whole(40.0))
+    assert samples == 50
+    assert where_told(whole(1.5, 30.0), whole(1.3, 1500.0)) == pytest.approx((left(1.5), left(1.3), 50))
+    assert where_told(whole(1.5, 7.0), whole(1.3, 12.0)) == pytest.approx((left(1.5), left(1.3), 50))
+    with_it, without, samples = where_told(whole(25.0), whole(40.0))
     assert (with_it, without) == (pytest.approx(left(25.0)), pytest.approx(left(40.0)))
 
 
@@ -158,6 +161,15 @@ def test_rivals_of_both_passes_are_kept(stubs, monkeypatch, criterion, first):
     assert {r.trial.names[-1] for r in rivals} == {"tilt", "floor"} and rivals[0].trial is accepted[0]
     # Floors are put to whole records whatever swings say of them, other effects where these hint at them.
     assert stubs.asked == [whole_records.HINT, -closing.PAYS]
+
+
+def test_what_whole_records_refused_does_not_come_back_as_a_rival(monkeypatch):
+    """The cheaper trial leaves a little less of the swings than the floor that whole records brought in."""
+    monkeypatch.setattr(closing, "explains_more", lambda _, one, other: one.rms < other.rms)
+    floor, tilt = rival(FLOOR, 900.0, whole(1.0, 1.2)), rival(TILT, 890.0, whole(30.0, 40.0))
+    bed = rival(trial("bed", 905.0, 0.98, costly=True), 905.0, whole(1.5, 1.6))
+    assert closing._borne_out(None, (tilt, floor, bed), FLOOR, floor.whole) == (floor, bed)
+    assert closing._borne_out(None, (floor, tilt), TILT, tilt.whole) == (floor, tilt)
 
 
 def test_what_runs_long_is_put_off_by_name_and_tried_when_asked(monkeypatch):

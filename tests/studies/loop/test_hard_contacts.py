@@ -1,0 +1,27 @@
+"""A corner that bounces while the other one is still in contact: found, and how much is left of a speed.
+
+The campaign is of the virtual laboratory, whose corners stand on hard springs; it shares no code with the models.
+"""
+
+import pytest
+
+from studies.campaigns import read
+from studies.laboratory.campaign import make_campaign
+from studies.laboratory.parameters import G
+from studies.loop import closing
+from studies.loop.tracing import all_candidates
+
+RIVALS = {"bouncing", "velocity_dependent_restitution", "viscous_damping", "base_motion_lag"}
+
+
+@pytest.mark.slow
+def test_a_corner_that_bounces_is_found(tmp_path, monkeypatch):
+    truth = make_campaign(2002, ["bouncing"], tmp_path)
+    monkeypatch.setattr(
+        closing, "all_candidates", lambda model: tuple(c for c in all_candidates(model) if c.effect in RIVALS)
+    )
+    finding = closing.close(read(tmp_path / "campaign"), g=G)
+    assert finding.verdict == "effect" and finding.chosen.effects == ("bouncing",)
+    value = finding.after.get("bouncing.normal_restitution")
+    assert value == pytest.approx(truth.parameters["bouncing.normal_restitution"], abs=0.05)
+    assert finding.errors["after"].holdout < 0.5 * finding.errors["before"].holdout
