@@ -135,7 +135,7 @@ def test_floors_stay_put_off_where_records_are_met(stubs):
 
 def test_floors_are_tried_after_all_where_records_are_missed(stubs):
     tried, accepted, rivals = one_round(30.0, 40.0)
-    assert accepted is not None and accepted[0].names == ("floor",)
+    assert accepted[0].names == ("floor",)
     assert not rivals
     assert [t.names for t in tried.trials] == [("tilt",), ("floor",)]
 
