@@ -17,7 +17,7 @@ import numpy as np
 from rocking import G_STANDARD
 from rocking.effects import load
 from studies.campaigns import DeclaredBlock
-from studies.loop.fitting import Parameter
+from studies.loop.fitting import UNEVEN, Parameter
 
 
 @dataclass(frozen=True)
@@ -104,9 +104,9 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
         Candidate(
             label, "compliant_base",
             (
-                Parameter("compliant_base.corner_stiffness", 0.3, 1e-3 * soft[0], 10.0 * soft[-1], True),
-                Parameter("compliant_base.damping_ratio", 0.3, 1e-3, 2.0, True),
-                Parameter("compliant_base.tangential_ratio", 0.5, 0.05, 100.0, True),
+                Parameter("compliant_base.corner_stiffness", 0.3, 1e-3 * soft[0], 10.0 * soft[-1], True, UNEVEN),
+                Parameter("compliant_base.damping_ratio", 0.3, 1e-3, 2.0, True, UNEVEN),
+                Parameter("compliant_base.tangential_ratio", 0.5, 0.05, 100.0, True, UNEVEN),
             ),
             tuple({"compliant_base.corner_stiffness": k, "compliant_base.damping_ratio": 0.12,
                    "compliant_base.tangential_ratio": 20.0} for k in soft),
@@ -146,8 +146,8 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
         Candidate(
             "bouncing[contact]", "bouncing",
             (
-                Parameter("bouncing.normal_restitution", 0.05, 1e-3, 0.98),
-                Parameter("bouncing.contact_frequency", 0.2, 125.0, 600.0, True),
+                Parameter("bouncing.normal_restitution", 0.05, 1e-3, 0.98, coarser=UNEVEN),
+                Parameter("bouncing.contact_frequency", 0.2, 125.0, 600.0, True, UNEVEN),
             ),
             tuple({"bouncing.normal_restitution": e, "bouncing.contact_frequency": f}
                   for f in (160.0, 250.0, 400.0) for e in (0.4, 0.75)),

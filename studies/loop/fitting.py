@@ -31,6 +31,9 @@ Array = NDArray[np.float64]
 STEP = 2e-4
 """Step of a difference, in scales of the parameter."""
 
+UNEVEN = 100.0
+"""Times this for what a floor gives: no event is located there, and the steps of a run leave an error as uneven."""
+
 THETA_STEP, OMEGA_STEP = 2e-6, 2e-5
 """Steps of the state at the start of a window [rad, rad/s]."""
 
@@ -52,13 +55,17 @@ DISAGREEING = 1.2
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter to fit: its full name, typical size of a change, bounds, and whether its logarithm is fitted."""
+    """A parameter to fit: its full name, typical size of a change, bounds, and whether its logarithm is fitted.
+
+    coarser: how many times the usual step is taken for its slope.
+    """
 
     name: str
     scale: float
     low: float = -math.inf
     high: float = math.inf
     log: bool = False
+    coarser: float = 1.0
 
     def inner(self, value: float) -> float:
         """The number that is fitted."""
@@ -174,8 +181,8 @@ def _about(
     """A model and those a difference away; for each parameter the two to take apart, and how far they are apart."""
     models, ends = [model], []
     for p in parameters:
-        at = p.inner(model.get(p.name))
-        up, down = p.outer(at + STEP), p.outer(at - STEP)
+        at, step = p.inner(model.get(p.name)), p.coarser * STEP
+        up, down = p.outer(at + step), p.outer(at - step)
         if not central:
             up, down = (up, p.outer(at)) if p.inner(up) > at else (p.outer(at), down)
         place = []

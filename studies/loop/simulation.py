@@ -29,9 +29,6 @@ Array = NDArray[np.float64]
 
 RTOL, ATOL = 1e-8, 1e-11
 
-SOFTER = 10.0
-"""Times these on a floor that gives, where runs take long: still less than a hundredth of the noise."""
-
 HISTORY = 6
 """Peaks before a window over which slip is carried: it is forgotten once the corner sticks."""
 
@@ -247,10 +244,9 @@ class Simulator:
             y, q = systems[job.model].initial_state(job.theta, job.omega, **carried[i])
             starts.append(Start(places[job.model], place, job.start, float(job.times[-1]), y, q))
         first = systems[own_systems[0]]
-        looser = SOFTER if isinstance(first, BlockOnSoftFloor) else 1.0
         found = run_windows(
             [systems[m] for m in own_systems], [m for _, m in own_motions.values()], starts,
-            [jobs[i].times for i in members], rtol=looser * RTOL, atol=looser * ATOL,
+            [jobs[i].times for i in members], rtol=RTOL, atol=ATOL,
         )  # fmt: skip
         column = first.state_names.index("theta")
         answers, at = [], 0

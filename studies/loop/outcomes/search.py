@@ -165,7 +165,7 @@ def _about(p: Parameter, model: LoopModel) -> Parameter:
     """A parameter between sizes not far from where it is."""
     at = p.inner(model.get(p.name))
     ends = sorted((p.outer(at - 0.08), p.outer(at + 0.08)))
-    return Parameter(p.name, p.scale, ends[0], ends[1], p.log)
+    return replace(p, low=ends[0], high=ends[1])
 
 
 def _model(onto: LoopModel, candidate: Candidate, own: Sequence[Parameter], row: Array) -> tuple[LoopModel | None, str]:

@@ -13,6 +13,7 @@ from excitation import RampedSinusoid
 from rocking import Block, Method1, solve
 from rocking.effects import load
 from studies.campaigns import Channel, DeclaredBlock, Test
+from studies.loop.candidates import candidates
 from studies.loop.fitting import DISAGREEING, Parameter, fit, gains, linearised, robust_covariance
 from studies.loop.model import LoopModel
 from studies.loop.simulation import Job, Simulator
@@ -158,3 +159,23 @@ def test_records_that_disagree_widen_the_covariance(simulator: Simulator, tests:
         fit(simulator, model(0.0), [E], [w for w in windows if w.record == k]).values["restitution"] for k in range(4)
     ]
     assert wide == pytest.approx(np.std(by_record, ddof=1) / 2.0, rel=0.7)
+
+
+# Nothing locates an event on a floor that gives: the slopes that a fit takes against those of runs a hundred times as
+# accurate by a tenth of the step.
+def test_slopes_on_a_soft_floor_are_not_those_of_the_steps_of_a_run(
+    tests: list[Test], windows: list, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from studies.loop import simulation
+
+    for floor in (c for c in candidates(DECLARED) if c.costly):
+        start = LoopModel(DECLARED, TRUE_E, {}, 9.81).changed({**floor.fixed, **floor.starts[2]})
+        usual = linearised(Simulator(tests), start, floor.parameters, windows[:6])
+        with monkeypatch.context() as finely:
+            finely.setattr(simulation, "RTOL", 0.01 * simulation.RTOL)
+            finely.setattr(simulation, "ATOL", 0.01 * simulation.ATOL)
+            tenth = [replace(p, coarser=0.1 * p.coarser) for p in floor.parameters]
+            fine = linearised(Simulator(tests), start, tenth, windows[:6])
+        for a, b in zip(usual.by_parameters, fine.by_parameters, strict=True):
+            # A unit is what a scale of the parameter changes, over the noise: 0.05 of it is never seen.
+            np.testing.assert_allclose(a, b, rtol=0.0, atol=0.05 * float(np.abs(b).max()) + 0.05, err_msg=floor.name)
