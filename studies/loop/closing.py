@@ -37,7 +37,7 @@ from studies.loop.tracing import (
     search,
     search_costly,
 )
-from studies.loop.whole_records import HINT, asked, explains_more, merged
+from studies.loop.whole_records import HINT, asked, explains_more, merged, ranked
 from studies.loop.windows import PEAK_OVER_NOISE, SIDE, scored_window
 
 Array = NDArray[np.float64]
@@ -235,7 +235,7 @@ def _round(
     if found is None:
         return tried, accepted, confirmed
     if confirmed and decided:
-        both = merged(confirmed, decided)
+        both = ranked(setup, merged(confirmed, decided))
         return tried, (both[0].trial, both[0].whole), both
     if accepted is None or explains_more(setup, found[1], accepted[1]):
         return tried, found, decided

@@ -34,6 +34,7 @@ class Rival:
     criterion: float  # bic of the swings, or of whole records where these decided
     whole_criterion: float
     holdout: float  # median error over held-out tests [rad]
+    refused: bool = False  # whether whole records speak for the best one by far, whatever the criterion says
 
 
 def near(setup: Setup, tried: Round, best: Trial, whole: Fit) -> tuple[Rival, ...]:
@@ -64,6 +65,6 @@ def twins(rivals: Sequence[Rival]) -> tuple[tuple[str, ...], ...]:
     if len(rivals) < 2:
         return ()
     best = rivals[0]
-    near = [r for r in rivals if r.criterion - best.criterion < TWIN]
+    near = [best, *(r for r in rivals[1:] if not r.refused and r.criterion - best.criterion < TWIN)]
     names = list(dict.fromkeys(r.trial.effects[-1] for r in near))
     return (tuple(names),) if len(names) > 1 else ()

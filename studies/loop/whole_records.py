@@ -52,7 +52,7 @@ def asked(
 ) -> tuple[Rival, ...]:
     """What whole records confirm of the effects that swings only hint at, and of those scanned; the best first."""
     found = scan(setup, onto, whole, pool)
-    return merged(hinted(setup, onto, whole, tried, hint), () if found is None else (found,))
+    return ranked(setup, merged(hinted(setup, onto, whole, tried, hint), () if found is None else (found,)))
 
 
 def merged(one: Sequence[Rival], other: Sequence[Rival]) -> tuple[Rival, ...]:
@@ -61,6 +61,23 @@ def merged(one: Sequence[Rival], other: Sequence[Rival]) -> tuple[Rival, ...]:
     for rival in sorted([*one, *other], key=lambda r: r.criterion):
         best.setdefault(rival.trial.names, rival)
     return tuple(best.values())
+
+
+def ranked(setup: Setup, rivals: Sequence[Rival]) -> tuple[Rival, ...]:
+    """The rivals, the best first: by their criterion, but none before one that explains far more of whole records.
+
+    The criterion is of what is predictable, for beyond it no fit finds its way.  To compare what was found needs none:
+    a model that goes on where another one is lost says more than one that is closer up to there.
+    """
+    if not rivals:
+        return ()
+    by_criterion = sorted(rivals, key=lambda r: r.criterion)
+    best = by_criterion[0]
+    for rival in by_criterion[1:]:
+        if explains_more(setup, rival.whole, best.whole):
+            best = rival
+    others = [r for r in by_criterion if r is not best]
+    return (best, *(replace(r, refused=explains_more(setup, best.whole, r.whole)) for r in others))
 
 
 def explains_more(setup: Setup, found: Fit, other: Fit) -> bool:

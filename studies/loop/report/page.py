@@ -230,6 +230,14 @@ def _nearest(finding: Finding, units: str) -> str:
     name = readable(second.trial.names[-1]).lower()
     worse = text.evidence(second.criterion - first.criterion)
     held = text.amount(second.holdout if math.isfinite(second.holdout) else None, units)
+    if second.refused:
+        own = text.evidence(second.whole_criterion - first.whole_criterion)
+        return (
+            f"The nearest rival, {name}, fits worse by {own} in chi-square over whole records, "
+            f"{'better' if second.criterion < first.criterion else 'worse'} by "
+            f"{text.evidence(abs(second.criterion - first.criterion))} where the noise of the base leaves them "
+            f"predictable; its held-out error is {held}."
+        )
     return f"The nearest rival, {name}, fits worse by {worse} in chi-square; its held-out error is {held}."
 
 

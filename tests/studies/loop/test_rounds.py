@@ -1,12 +1,14 @@
 """One round of the loop: what is put off, when it is tried after all, and which rivals are kept; all fits are stubs."""
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from studies.loop import closing, settling, whole_records
+from studies.loop.rivals import Rival, twins
 from studies.loop.settling import gain, where_told
 from studies.loop.tracing import Round, search
 from studies.loop.whole_records import explains_more
@@ -118,7 +120,7 @@ def stubs(monkeypatch):
 
 
 def rival(made, criterion, found):
-    return SimpleNamespace(trial=made, whole=found, criterion=criterion)
+    return Rival(made, found, criterion, math.nan, math.nan)
 
 
 def one_round(*rms, by_rotation=True, onto=PLAIN):
@@ -150,16 +152,21 @@ def test_accelerometers_ask_no_whole_records(stubs):
     assert stubs.tried == [] and stubs.asked == []
 
 
-@pytest.mark.parametrize("criterion, first", [(80.0, "floor"), (120.0, "tilt")])
-def test_rivals_of_both_passes_are_kept(stubs, monkeypatch, criterion, first):
+@pytest.mark.parametrize(
+    "criterion, left, first", [(80.0, 1.0, "floor"), (120.0, 1.0, "floor"), (120.0, 5.0, "tilt"), (80.0, 7.0, "tilt")]
+)
+def test_rivals_of_both_passes_are_kept(stubs, monkeypatch, criterion, left, first):
+    """The better criterion comes first, unless the other one explains more of whole records."""
     monkeypatch.setattr(closing, "pays", lambda *_: False)
+    monkeypatch.setattr(whole_records, "explains_more", lambda _, one, other: one.rms < other.rms)
     stubs.confirmed = {
-        "tilt": rival(TILT, 100.0, whole(4.0, 5.0)),
-        "floor": rival(FLOOR, criterion, whole(1.0, 1.2)),
+        "tilt": rival(TILT, 100.0, whole(5.0, 5.0)),
+        "floor": rival(FLOOR, criterion, whole(left, left)),
     }
     _, accepted, rivals = one_round(30.0, 40.0)
     assert accepted[0].names == (first,)
     assert {r.trial.names[-1] for r in rivals} == {"tilt", "floor"} and rivals[0].trial is accepted[0]
+    assert [r.refused for r in rivals] == [False, left != 5.0]
     # Floors are put to whole records whatever swings say of them, other effects where these hint at them.
     assert stubs.asked == [whole_records.HINT, -closing.PAYS]
 
@@ -173,6 +180,14 @@ def test_what_whole_records_refused_does_not_come_back_as_a_rival(monkeypatch):
     assert [r.trial.names[-1] for r in kept] == ["floor", "bed"]
     kept = closing._borne_out(None, (floor, tilt), TILT, tilt.whole)
     assert [r.trial.names[-1] for r in kept] == ["floor", "tilt"]
+
+
+def test_what_whole_records_refused_is_no_twin():
+    """Its criterion is the lower one, of what is predictable; one that they do not refuse cannot be told apart."""
+    first = Rival(TILT, None, 100.0, 900.0, 0.1)
+    slide, lag = (Rival(trial(name, 0.0, 1.0), None, 99.0, 5000.0, 0.1, True) for name in ("slide", "lag"))
+    assert twins((first, slide, lag)) == ()
+    assert twins((first, slide, replace(lag, refused=False))) == (("tilt", "lag"),)
 
 
 def test_what_runs_long_is_put_off_by_name_and_tried_when_asked(monkeypatch):
