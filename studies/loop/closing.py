@@ -146,18 +146,7 @@ def close(
     if rivals:
         path[-1], fits[-1] = rivals[0].trial, rivals[0].whole
     chosen, verdict = _explained(setup, plain, path[-1], tell)
-    notes = list(setup.notes)
-    if hint and hint in chosen.names:
-        notes.append(
-            f"single swings do not settle on {hint}: whole records decided, as far as the noise of the base leaves "
-            "them predictable"
-        )
-    if verdict == "none" and setup.by_rotation and missed(fits[-1]):
-        verdict = "unexplained"
-        notes.append(
-            f"single swings are explained down to their noise, whole records are missed by {fits[-1].rms:.1f} times "
-            "theirs: something acts that no swing shows and none of the effects tried explains"
-        )
+    verdict, said = _of_whole_records(setup, chosen, verdict, fits[-1], hint)
     if chosen is not path[-1]:
         rivals, fits = (), [*fits, whole_fit(setup, chosen)]
     before, after = settle(setup, plain, fits[0]), settle(setup, chosen, fits[-1])
@@ -170,7 +159,7 @@ def close(
     return Finding(
         setup, verdict, declared, models["before"], models["after"], before.whole, after.whole, chosen, rivals,
         twins(rivals), tuple(rounds), all_errors, median(floors), intervals(chosen, after),
-        (*notes, *_unseen(setup)), after,
+        (*setup.notes, *said, *_unseen(setup)), after,
     )  # fmt: skip
 
 
@@ -289,6 +278,35 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
     if bic(routes[0].swing) < bic(best.swing) + PAYS:
         best = routes[0]
     return best, "unexplained"
+
+
+def _of_whole_records(
+    setup: Setup, chosen: Trial, verdict: Verdict, whole: Fit, hint: str
+) -> tuple[Verdict, list[str]]:
+    """The verdict once whole records are looked at, and what is to be said of them.
+
+    hint: the form on which they decided, if they did.
+    """
+    notes = []
+    if hint and hint in chosen.names:
+        notes.append(
+            f"single swings do not settle on {hint}: whole records decided, as far as the noise of the base leaves "
+            "them predictable"
+        )
+    if verdict == "unexplained" or not (setup.by_rotation and missed(whole)):
+        return verdict, notes
+    if verdict == "none":
+        notes.append(
+            f"single swings are explained down to their noise, whole records are missed by {whole.rms:.1f} times "
+            "theirs: something acts that no swing shows and none of the effects tried explains"
+        )
+        return "unexplained", notes
+    far = int(np.count_nonzero(whole.by_window > MISSED_BY_FAR))
+    notes.append(
+        f"{far} of {len(whole.windows)} whole records are missed by more than {MISSED_BY_FAR:g} times their noise with "
+        "what was found: it does not carry to their end, and something else may act"
+    )
+    return verdict, notes
 
 
 def _leaves_nothing(setup: Setup, trial: Trial, whole: Fit) -> bool:

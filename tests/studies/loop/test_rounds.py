@@ -211,3 +211,19 @@ def test_what_runs_long_is_put_off_by_name_and_tried_when_asked(monkeypatch):
     [added] = tracing.search_costly(None, found)
     assert added.names == ("floor",) and found.skipped == {} and found.put_off == ()
     assert search(None, PLAIN, pool).put_off == ()
+
+
+@pytest.mark.parametrize(
+    "verdict, rms, ends, said",
+    [
+        ("effect", (1.0, 1.1, 1.0), "effect", ""),
+        ("effect", (1.0, 9.0, 8.0), "effect", "2 of 3 whole records are missed by more than 3 times their noise"),
+        ("none", (1.0, 9.0, 8.0), "unexplained", "whole records are missed by 7.0 times"),
+        ("unexplained", (1.0, 9.0, 8.0), "unexplained", ""),
+    ],
+)
+def test_whole_records_that_are_missed_are_said(verdict, rms, ends, said):
+    found, notes = closing._of_whole_records(SimpleNamespace(by_rotation=True), TILT, verdict, whole(*rms), "")
+    assert found == ends and len(notes) == bool(said) and said in "".join(notes)
+    _, notes = closing._of_whole_records(SimpleNamespace(by_rotation=True), TILT, verdict, whole(*rms), "tilt")
+    assert "settle on tilt" in notes[0]
