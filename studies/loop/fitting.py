@@ -34,6 +34,9 @@ STEP = 2e-4
 UNEVEN = 100.0
 """Times this for what a floor gives: no event is located there, and the steps of a run leave an error as uneven."""
 
+REACH = 4.0
+"""A step of a fit moves a logarithm by so many scales at the most: where it says little, its slope points anywhere."""
+
 THETA_STEP, OMEGA_STEP = 2e-6, 2e-5
 """Steps of the state at the start of a window [rad, rad/s]."""
 
@@ -75,6 +78,10 @@ class Parameter:
         """The parameter, within its bounds."""
         value = math.exp(min(number * self.scale, 700.0)) if self.log else number * self.scale
         return min(max(value, self.low), self.high)
+
+    def slope(self, value: float) -> float:
+        """Derivative of the parameter by the number that is fitted."""
+        return value * self.scale if self.log else self.scale
 
 
 @dataclass(frozen=True)
@@ -499,7 +506,8 @@ def _solve(matrix: Array, gradient: Array, damping: float) -> Array:
 
 
 def _moved(model: LoopModel, parameters: Sequence[Parameter], step: Array) -> dict[str, float]:
-    return {p.name: p.outer(p.inner(model.get(p.name)) + d) for p, d in zip(parameters, step, strict=True)}
+    moved = (min(max(float(d), -REACH), REACH) if p.log else float(d) for p, d in zip(parameters, step, strict=True))
+    return {p.name: p.outer(p.inner(model.get(p.name)) + d) for p, d in zip(parameters, moved, strict=True)}
 
 
 def sensor_covariance(simulator: Simulator, found: Fit) -> Array:
@@ -516,12 +524,7 @@ def sensor_covariance(simulator: Simulator, found: Fit) -> Array:
 
 def _scales(found: Fit) -> Array:
     """Derivatives of the outer by the inner numbers."""
-    return np.array([_slope(p, found.model.get(p.name)) for p in found.parameters])
-
-
-def _slope(p: Parameter, value: float) -> float:
-    """Derivative of the outer by the inner number."""
-    return value * p.scale if p.log else p.scale
+    return np.array([p.slope(found.model.get(p.name)) for p in found.parameters])
 
 
 def gains(

@@ -100,27 +100,31 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
     if len(minima) > 1 and trial.every:
         apart = _apart(minima, sensor_covariance(setup.simulator, minima[0]), covariances[-1])
         covariances[-1] = covariances[-1] + apart
-    scale = np.array([p.scale * (f_value if p.log else 1.0) for p, f_value in _at(parameters, whole.model)])
+    both, joint = _joined(names, fits, covariances)
+    if apart is not None and np.any(np.diag(apart) > np.diag(covariances[-1] - apart)):
+        # Between minima lies none: the best one is what predicts.
+        both = np.array([p.inner(minima[0].model.get(p.name)) for p in parameters])
+    known = {p.name: p.outer(float(v)) for p, v in zip(parameters, both, strict=True)}
+    model = whole.model.changed(known)
+    leans = fit_records(setup.simulator, model, [], whole.windows, iterations=4)
+    scale = np.array([p.slope(known[p.name]) for p in parameters])
+    widened = _disagreement(fits, covariances) * joint * np.outer(scale, scale)
+    return Settled(leans, names, np.asarray(widened, dtype=np.float64))
+
+
+def _joined(names: Sequence[str], fits: Sequence[Fit], covariances: Sequence[Array]) -> tuple[Array, Array]:
+    """What estimates say together, weighed by their covariances, in scales of the parameters, and its covariance."""
     total, weighted = np.zeros((len(names), len(names))), np.zeros(len(names))
     for found, covariance in zip(fits, covariances, strict=True):
         # Parameters that a fit does not have, or does not show, have no information in it.
         own = [names.index(p.name) for p in found.parameters]
         seen = [k for k in range(len(own)) if covariance[k, k] > 0.0]
         at = np.array([own[k] for k in seen], dtype=int)
-        part = covariance[np.ix_(seen, seen)] / np.outer(scale[at], scale[at])
-        information = np.linalg.pinv(part, rcond=1e-14)
+        information = np.linalg.pinv(_inner(found, covariance)[np.ix_(seen, seen)], rcond=1e-14)
         total[np.ix_(at, at)] += information
-        weighted[at] += information @ (np.array([found.model.get(names[k]) for k in at]) / scale[at])
+        weighted[at] += information @ _numbers(found)[seen]
     joint = np.linalg.pinv(total, rcond=1e-14)
-    both = scale * (joint @ weighted)
-    if apart is not None and np.any(np.diag(apart) > np.diag(covariances[-1] - apart)):
-        # Between minima lies none: the best one is what predicts.
-        both = np.array([minima[0].model.get(name) for name in names])
-    known = {p.name: min(max(float(v), p.low), p.high) for p, v in zip(parameters, both, strict=True)}
-    model = whole.model.changed(known)
-    leans = fit_records(setup.simulator, model, [], whole.windows, iterations=4)
-    widened = _disagreement(fits, covariances) * joint * np.outer(scale, scale)
-    return Settled(leans, names, np.asarray(widened, dtype=np.float64))
+    return np.asarray(joint @ weighted), np.asarray(joint)
 
 
 def _disagreement(fits: Sequence[Fit], covariances: Sequence[Array]) -> float:
@@ -130,10 +134,22 @@ def _disagreement(fits: Sequence[Fit], covariances: Sequence[Array]) -> float:
     """
     if len(fits) != 2 or fits[0].parameters != fits[1].parameters:
         return 1.0
-    scale = np.sqrt(np.maximum(np.diag(covariances[0]) + np.diag(covariances[1]), 1e-300))
-    apart = np.array([fits[0].model.get(p.name) - fits[1].model.get(p.name) for p in fits[0].parameters]) / scale
-    both = (covariances[0] + covariances[1]) / np.outer(scale, scale)
+    first, second = (_inner(f, c) for f, c in zip(fits, covariances, strict=True))
+    scale = np.sqrt(np.maximum(np.diag(first) + np.diag(second), 1e-300))
+    apart = (_numbers(fits[0]) - _numbers(fits[1])) / scale
+    both = (first + second) / np.outer(scale, scale)
     return max(1.0, float(apart @ np.linalg.pinv(both, rcond=1e-12) @ apart) / apart.size)
+
+
+def _numbers(found: Fit) -> Array:
+    """What was fitted, in scales of the parameters: of some the logarithm."""
+    return np.array([p.inner(found.model.get(p.name)) for p in found.parameters])
+
+
+def _inner(found: Fit, covariance: Array) -> Array:
+    """Its covariance."""
+    scale = np.array([p.slope(found.model.get(p.name)) for p in found.parameters])
+    return covariance / np.outer(scale, scale)
 
 
 def predictable(windows: Sequence[Window]) -> list[Window]:
@@ -212,10 +228,6 @@ def _apart(minima: Sequence[Fit], by_sensor: Array, covariance: Array) -> Array:
     return np.asarray((away.T * weights) @ away / weights.sum(), dtype=np.float64)
 
 
-def _at(parameters: Sequence[Parameter], model: LoopModel) -> list[tuple[Parameter, float]]:
-    return [(p, abs(model.get(p.name))) for p in parameters]
-
-
 def gain(setup: Setup, without: Fit, found: Fit) -> float:
     """Share by which a fit of whole records lowers the rms, what is far off counting little, of one without it [1]."""
     windows = [replace(w, sd=o.sd) for w, o in zip(without.windows, found.windows, strict=True)]
@@ -245,7 +257,7 @@ def intervals(chosen: Trial, settled: Settled) -> dict[str, tuple[float, float, 
     bounds = {p.name: p for p in (*chosen.swing.parameters, *chosen.every)}
     out = {}
     for k, name in enumerate(settled.names):
-        value = settled.whole.model.get(name)
-        half = 1.96 * math.sqrt(max(float(settled.covariance[k, k]), 0.0))
-        out[name] = (value, max(value - half, bounds[name].low), min(value + half, bounds[name].high))
+        p, value = bounds[name], settled.whole.model.get(name)
+        half = 1.96 * math.sqrt(max(float(settled.covariance[k, k]), 0.0)) / p.slope(value)
+        out[name] = (value, p.outer(p.inner(value) - half), p.outer(p.inner(value) + half))
     return out

@@ -14,7 +14,7 @@ from rocking import Block, Method1, solve
 from rocking.effects import load
 from studies.campaigns import Channel, DeclaredBlock, Test
 from studies.loop.candidates import candidates
-from studies.loop.fitting import DISAGREEING, Parameter, fit, gains, linearised, robust_covariance
+from studies.loop.fitting import DISAGREEING, Parameter, _moved, fit, gains, linearised, robust_covariance
 from studies.loop.model import LoopModel
 from studies.loop.simulation import Job, Simulator
 from studies.loop.spread import redrawn
@@ -179,3 +179,13 @@ def test_slopes_on_a_soft_floor_are_not_those_of_the_steps_of_a_run(
         for a, b in zip(usual.by_parameters, fine.by_parameters, strict=True):
             # A unit is what a scale of the parameter changes, over the noise: 0.05 of it is never seen.
             np.testing.assert_allclose(a, b, rtol=0.0, atol=0.05 * float(np.abs(b).max()) + 0.05, err_msg=floor.name)
+
+
+def test_a_step_moves_a_logarithm_only_so_far() -> None:
+    """By hand: four scales of 0.5 are a factor of exp(2); the bounds are nearer than that downwards."""
+    ratio = Parameter("compliant_base.tangential_ratio", 0.5, 5.0, 1e3, True)
+    floor = LoopModel(DECLARED, TRUE_E, {"compliant_base": {"corner_stiffness": 1e7, "tangential_ratio": 20.0}}, 9.81)
+    assert _moved(floor, [ratio], np.array([50.0])) == {ratio.name: pytest.approx(20.0 * math.exp(2.0))}
+    assert _moved(floor, [ratio], np.array([-50.0])) == {ratio.name: 5.0}
+    assert _moved(floor, [ratio], np.array([1.0])) == {ratio.name: pytest.approx(20.0 * math.exp(0.5))}
+    assert _moved(model(0.1), [DRAG], np.array([50.0])) == {DRAG.name: pytest.approx(2.6)}

@@ -12,7 +12,16 @@ from studies.campaigns import Channel, DeclaredBlock
 from studies.loop.closing import missed
 from studies.loop.fitting import Parameter
 from studies.loop.model import LoopModel
-from studies.loop.settling import FEWEST_SAMPLES, PREDICTABLE, _apart, _disagreement, neighbours, predictable
+from studies.loop.settling import (
+    FEWEST_SAMPLES,
+    PREDICTABLE,
+    _apart,
+    _disagreement,
+    _joined,
+    intervals,
+    neighbours,
+    predictable,
+)
 from studies.loop.windows import Window
 
 
@@ -52,6 +61,24 @@ def test_estimates_that_disagree_widen_the_interval_by_their_birge_ratio() -> No
     assert _disagreement([one, one], covariances) == 1.0
     assert _disagreement([one], covariances[:1]) == 1.0
     assert _disagreement([one, estimate({"a": 9.0})], [covariances[0], np.eye(1)]) == 1.0
+
+
+def test_estimates_of_a_logarithm_are_joined_and_bounded_as_logarithms() -> None:
+    """By hand: deviations of log 4 about 1 and of log 2 about 32 weigh 1 to 4, so that 16 comes out."""
+    k = Parameter("k", 0.5, 0.05, 100.0, True)
+    fits: Any = [SimpleNamespace(parameters=(k,), model=SimpleNamespace(get={"k": v}.__getitem__)) for v in (1.0, 32.0)]
+    # Of the outer scale: the value times that of the logarithm.
+    covariances = [np.array([[(v * np.log(r)) ** 2]]) for v, r in ((1.0, 4.0), (32.0, 2.0))]
+    both, covariance = _joined(("k",), fits, covariances)
+    assert k.outer(float(both[0])) == pytest.approx(16.0)
+    sd = 0.5 * float(np.sqrt(covariance[0, 0]))
+    assert sd == pytest.approx(np.log(2.0) / np.sqrt(1.25))
+    assert _disagreement(fits, covariances) == pytest.approx(np.log(32.0) ** 2 / (np.log(4.0) ** 2 + np.log(2.0) ** 2))
+    chosen: Any = SimpleNamespace(swing=fits[0], every=(k,))
+    settled: Any = SimpleNamespace(whole=fits[1], names=("k",), covariance=np.array([[(32.0 * sd) ** 2]]))
+    value, low, high = intervals(chosen, settled)["k"]
+    assert (value, low) == (32.0, pytest.approx(32.0 * np.exp(-1.96 * sd)))
+    assert high == k.high  # 32 exp(1.96 sd) lies beyond
 
 
 def test_another_minimum_nearly_as_deep_widens_the_interval_to_reach_it() -> None:
