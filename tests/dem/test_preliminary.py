@@ -106,3 +106,14 @@ def test_the_top_moves_as_the_middle_of_the_upper_edge():
     upper = corners[corners[:, 1] > 0.0]
     x = [history.x + c[0] * np.cos(theta) + c[1] * np.sin(theta) for c in upper]
     assert top_displacement(history) == pytest.approx(0.5 * (x[0] + x[1]), abs=1e-12)
+
+
+def test_a_block_is_let_go_about_its_lowest_corner():
+    """The lowest of four corners, found by turning each: it is where it was when the block stood upright at x = 0."""
+    scene = dem.single_block(0.3, 1.0, 0.5, 597.0)
+    for tilt in (0.1, -0.25, 1.1):
+        start = let_go(scene, tilt, t_end=1e-3, damping=1e4)
+        turn = np.array([[math.cos(tilt), math.sin(tilt)], [-math.sin(tilt), math.cos(tilt)]])
+        turned = scene.shape.corners @ turn.T
+        lowest = int(turned[:, 1].argmin())
+        assert start.x[0] + turned[lowest, 0] == pytest.approx(scene.shape.corners[lowest, 0], abs=1e-12)

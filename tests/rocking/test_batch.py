@@ -164,3 +164,6 @@ def test_a_batch_by_diffrax_is_that_of_numba() -> None:
     # Errors of 1e-12 grow over some ten impacts.
     for name in ("overturning_time", "peak_rotation", "onset_time", "t_end"):
         np.testing.assert_allclose(getattr(other, name), getattr(one, name), rtol=0.0, atol=1e-7, err_msg=name)
+    alone = solve_batch(systems[1], motions[1], solver="diffrax", **sharp)
+    assert alone.impacts.tolist() == [one.impacts[1]]
+    assert alone.peak_rotation[0] == pytest.approx(one.peak_rotation[1], abs=1e-7)

@@ -78,3 +78,15 @@ def test_the_last_sample_is_kept_though_a_step_may_end_a_rounding_before_it() ->
         Method1(Block(0.0546875, 0.21875), restitution=1.0, g=9.81), motion, t_end=end, save_at=[end], solver="numba"
     )
     assert run.t.tolist() == [end]
+
+
+def test_windows_say_which_runs_fell_and_when() -> None:
+    """Thrown over from half of balance a block falls, let go from there it does not: as single runs have it."""
+    system, t = Method1(BLOCK), np.linspace(0.0, 2.0, 9)
+    thrown = [(0.5 * BLOCK.alpha, 1.5), (0.5 * BLOCK.alpha, 0.0), (-0.5 * BLOCK.alpha, -1.5)]
+    starts = [Start(0, 0, 0.0, 2.0, *system.initial_state(*state)) for state in thrown]
+    found = run_windows([system], [SampledMotion(0.01, np.zeros(300))], starts, [t] * 3)
+    ones = [solve(system, theta=a, omega=w, t_end=2.0, solver="numba") for a, w in thrown]
+    assert found.fell.tolist() == [True, False, True] == [one.overturned for one in ones]
+    assert not found.failed.any() and np.isnan(found.overturning_time[1])
+    assert found.overturning_time[[0, 2]] == pytest.approx([ones[0].overturning_time, ones[2].overturning_time])

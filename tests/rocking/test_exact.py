@@ -8,6 +8,7 @@ import pytest
 
 from rocking import Block, Method1, Method2, Mode, Outcome, solve
 from rocking.closed_forms import free_impact_time, half_sine_pulse, rectangular_pulse
+from rocking.solvers.exact.kernel import new_plan
 from rocking.solvers.exact.solver import Exact
 from rocking.trajectory import BALANCE
 
@@ -355,3 +356,14 @@ def test_it_refuses_motions_that_are_not_finite() -> None:
         Exact().declines(linear(0.2, 0.8), Straight(0.0, 0.0, [0.0, 1.0]))
     with pytest.raises(ValueError, match="want finite numbers and a positive duration"):
         Exact().declines(linear(0.2, 0.8), Ramp(math.inf, 0.0, 1.0, 1.0))
+
+
+# How far a tilt may be from straight between two samples: half the step squared times what pushes towards the floor,
+# (a_max / g - alpha) p^2, with cosh for the growth. A step is an interval, or a twelfth of 1/p where it is longer.
+@pytest.mark.parametrize(("p", "dt", "step"), [(0.5, 0.01, 1.0 / 6.0), (4.0, 0.01, 1.0 / 48.0), (0.5, 0.3, 0.3)])
+def test_between_tilts_called_clear_there_is_no_impact(p: float, dt: float, step: float) -> None:
+    plan = new_plan((p * p, 0.2, 9.81, 0.2, 0.9, 1e-6), dt, 9.81, 10)
+    sagged = 0.8 * (math.cosh(0.5 * p * step) - 1.0)
+    assert plan.clear == pytest.approx(sagged, rel=1e-5)
+    assert plan.clear >= sagged
+    assert plan.longest == pytest.approx(1.0 / (12.0 * p))

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import pytest
 
 from rocking.solvers.diffrax.loop import _next_length, _physics
-from rocking.solvers.diffrax.steps import ERROR_ORDER
+from rocking.solvers.diffrax.steps import ERROR_ORDER, Bracket, _narrower
 from rocking.solvers.recording import EDGE, inner_limits
 
 CASES = [(0.0, 1.0, 0.25), (3.0, 3.5, math.inf), (3600.0, 3600.25, 0.01), (-2.0, -1.0, 1e-3), (1.0, 1.0 + 1e-12, 5.0)]
@@ -56,3 +56,28 @@ def test_a_step_cut_short_by_an_edge_does_not_shorten_the_next(
     with jax.enable_x64(True):
         next_h = _next_length(jnp.asarray(0.3), jnp.asarray(tried), jnp.asarray(size), jnp.asarray(cut_short))
     assert float(next_h) == pytest.approx(expected, rel=1e-12)
+
+
+# Illinois method, Dowell & Jarratt (1971), BIT 11, 168-174: the value at an end that stays twice running is halved.
+# By hand: from 1 at 0 and -0.6 at 1 the secant meets zero at 0.625.
+@pytest.mark.parametrize(
+    ("moved", "there", "expected"),
+    [
+        (-1, 0.8, (0.625, 0.8, 1.0, -0.3, -1)),
+        (1, 0.8, (0.625, 0.8, 1.0, -0.6, -1)),
+        (1, -0.2, (0.0, 0.5, 0.625, -0.2, 1)),
+        (-1, -0.2, (0.0, 1.0, 0.625, -0.2, 1)),
+    ],
+)
+def test_an_end_that_stays_twice_counts_for_half(moved: int, there: float, expected: tuple[float, ...]) -> None:
+    asked = []
+
+    def guard(share: Any) -> Any:
+        asked.append(float(share))
+        return jnp.asarray(there)
+
+    with jax.enable_x64(True):
+        after = _narrower(guard, Bracket(*map(jnp.asarray, (0.0, 1.0, 1.0, -0.6, False, moved, 3))))
+    assert asked == [pytest.approx(0.625)]
+    got = [float(value) for value in (after.low, after.at_low, after.high, after.at_high, after.moved)]
+    assert got == pytest.approx(expected) and int(after.tries) == 4

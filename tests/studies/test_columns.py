@@ -12,7 +12,7 @@ from rocking import Method1, solve
 from rocking.instruments import accelerometer
 from studies.criteria.columns import Column, ColumnJob, ColumnSettings, G, criterion, history, parting
 from studies.criteria.pickups import SAMPLE, vertical_reading
-from studies.criteria.rocking_onset import OnsetJob, OnsetSettings, onset
+from studies.criteria.rocking_onset import BEYOND_WEST, OnsetJob, OnsetSettings, onset
 from studies.specimens import specimen
 
 FAST = ColumnSettings(ramp=20.0, duration=20.0)
@@ -104,3 +104,14 @@ def test_a_pickup_of_a_standing_block_reads_gravity():
     run = history(ColumnJob(Column(1), 1.0, settings), t_end=2.0, sample=SAMPLE)
     t, reading = vertical_reading(run, 0, specimen(3).h, settings.motion(1.0))
     assert reading[t < 2.0] == pytest.approx(G, abs=0.01)
+
+
+def test_an_onset_is_looked_for_until_the_envelope_is_well_beyond_west_and_no_longer():
+    """By hand: b/h of Block 3 is 0.3, so 0.3 g of a ramp of 2 m/s^2 in 10 s, times the margin, or all of the ramp."""
+    block = specimen(3)
+    slow = OnsetSettings(ramp=2.0, duration=10.0)
+    assert OnsetJob("method1", 3, 2.0, slow).t_end == 10.0
+    fast = OnsetSettings(ramp=100.0, duration=10.0)
+    expected = BEYOND_WEST * block.b / block.h * G * 0.1
+    assert OnsetJob("method1", 3, 2.0, fast).t_end == pytest.approx(expected)
+    assert expected < 10.0

@@ -342,3 +342,9 @@ def test_second_harmonic_of_a_sinusoid() -> None:
     t = 0.002 * np.arange(2000)
     found = table.second_harmonic(3.0 * np.cos(2 * np.pi * 4.0 * t + 0.3), 0.5)
     assert found == pytest.approx(3.0 * np.cos(2 * (2 * np.pi * 4.0 * t + 0.3) + 0.5), abs=1e-9)
+
+
+def test_a_piece_of_the_base_is_its_five_cubics() -> None:
+    pieces = np.random.default_rng(3).standard_normal((5, 4))
+    for x in (0.0, 0.3, 1.7):
+        assert event.base(x, pieces) == pytest.approx([np.polynomial.Polynomial(row)(x) for row in pieces], rel=1e-14)
