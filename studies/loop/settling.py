@@ -26,7 +26,7 @@ from studies.loop.learning import LEARNED
 from studies.loop.model import LoopModel
 from studies.loop.preparing import Setup
 from studies.loop.spread import variances, weighed
-from studies.loop.tracing import Trial
+from studies.loop.tracing import PAYS, Trial
 from studies.loop.windows import Window
 
 Array = NDArray[np.float64]
@@ -105,11 +105,22 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
         # Between minima lies none: the best one is what predicts.
         both = np.array([p.inner(minima[0].model.get(p.name)) for p in parameters])
     known = {p.name: p.outer(float(v)) for p, v in zip(parameters, both, strict=True)}
+    if trial.costly and minima and _spoilt(setup, whole.model.changed(known), minima[0]):
+        known = minima[0].values
     model = whole.model.changed(known)
     leans = fit_records(setup.simulator, model, [], whole.windows, iterations=4)
     scale = np.array([p.slope(known[p.name]) for p in parameters])
     widened = _disagreement(fits, covariances) * joint * np.outer(scale, scale)
     return Settled(leans, names, np.asarray(widened, dtype=np.float64))
+
+
+def _spoilt(setup: Setup, model: LoopModel, best: Fit) -> bool:
+    """Whether estimates that were put together explain by far less of whole records than these alone.
+
+    On a floor that gives a parameter may say so little that what it has in common with the others carries it away.
+    """
+    there = fit_records(setup.simulator, model, [], best.windows, iterations=4)
+    return there.chi2 > best.chi2 + PAYS * best.spread
 
 
 def _joined(names: Sequence[str], fits: Sequence[Fit], covariances: Sequence[Array]) -> tuple[Array, Array]:

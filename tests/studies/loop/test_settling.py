@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from studies.campaigns import Channel, DeclaredBlock
+from studies.loop import settling
 from studies.loop.closing import missed
 from studies.loop.fitting import Parameter
 from studies.loop.model import LoopModel
@@ -18,6 +19,7 @@ from studies.loop.settling import (
     _apart,
     _disagreement,
     _joined,
+    _spoilt,
     intervals,
     neighbours,
     predictable,
@@ -119,3 +121,22 @@ def test_one_lost_record_makes_no_campaign_unexplained() -> None:
     assert missed(records(1.0, 1.1, 8.0, 30.0))
     assert not missed(records(1.0, 2.0, 2.9, 2.9))
     assert missed(records(8.0))  # of one record there is no other to ask
+
+
+@pytest.mark.parametrize(("after", "spoilt"), [(1000.0, False), (1150.0, False), (1160.0, True)])
+def test_estimates_put_together_are_refused_where_they_explain_far_less(
+    monkeypatch: pytest.MonkeyPatch, after: float, spoilt: bool
+) -> None:
+    """By hand: sixty times a mean square of 2.5 are 150 in chi-square."""
+    asked = []
+
+    def leans_alone(simulator: Any, model: Any, parameters: Any, windows: Any, iterations: int) -> Any:
+        asked.append((model, parameters, windows))
+        return SimpleNamespace(chi2=after)
+
+    monkeypatch.setattr(settling, "fit_records", leans_alone)
+    best: Any = SimpleNamespace(chi2=1000.0, spread=2.5, windows=("w",))
+    setup: Any = SimpleNamespace(simulator=None)
+    joined: Any = "joined"
+    assert _spoilt(setup, joined, best) is spoilt
+    assert asked == [("joined", [], ("w",))]
