@@ -105,7 +105,7 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
         # Between minima lies none: the best one is what predicts.
         both = np.array([p.inner(minima[0].model.get(p.name)) for p in parameters])
     known = {p.name: p.outer(float(v)) for p, v in zip(parameters, both, strict=True)}
-    if trial.costly and minima and _spoilt(setup, whole.model.changed(known), minima[0]):
+    if trial.costly and minima and _spoilt(setup, whole.model.changed(known), trial.swing.model, minima[0]):
         known = minima[0].values
     model = whole.model.changed(known)
     leans = fit_records(setup.simulator, model, [], whole.windows, iterations=4)
@@ -114,13 +114,15 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
     return Settled(leans, names, np.asarray(widened, dtype=np.float64))
 
 
-def _spoilt(setup: Setup, model: LoopModel, best: Fit) -> bool:
-    """Whether estimates that were put together explain by far less of whole records than these alone.
+def _spoilt(setup: Setup, joined: LoopModel, swings: LoopModel, best: Fit) -> bool:
+    """Whether estimates that were put together explain by far less of whole records than either does by itself.
 
     On a floor that gives a parameter may say so little that what it has in common with the others carries it away.
     """
-    there = fit_records(setup.simulator, model, [], best.windows, iterations=4)
-    return there.chi2 > best.chi2 + PAYS * best.spread
+    by_both, by_swings = (
+        fit_records(setup.simulator, model, [], best.windows, iterations=4).chi2 for model in (joined, swings)
+    )
+    return by_both > max(by_swings, best.chi2) + PAYS * best.spread
 
 
 def _joined(names: Sequence[str], fits: Sequence[Fit], covariances: Sequence[Array]) -> tuple[Array, Array]:
