@@ -249,7 +249,7 @@ def _accepted(
         return accepted, ()
     tell("asking whole records")
     confirmed = asked(setup, onto, whole, tried, pool, hint)
-    confirmed = tuple(r for r in confirmed if gain(setup, whole, r.whole) > LEAST_GAIN)
+    confirmed = ranked(setup, [r for r in confirmed if gain(setup, whole, r.whole) > LEAST_GAIN])
     if not confirmed or (accepted is not None and not explains_more(setup, confirmed[0].whole, accepted[1])):
         return accepted, ()
     first = confirmed[0]

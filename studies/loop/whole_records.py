@@ -50,9 +50,9 @@ TELLING = 3
 def asked(
     setup: Setup, onto: Trial, whole: Fit, tried: Round, pool: Sequence[Candidate], hint: float = HINT
 ) -> tuple[Rival, ...]:
-    """What whole records confirm of the effects that swings only hint at, and of those scanned; the best first."""
+    """What whole records confirm of the effects that swings only hint at, and of those scanned."""
     found = scan(setup, onto, whole, pool)
-    return ranked(setup, merged(hinted(setup, onto, whole, tried, hint), () if found is None else (found,)))
+    return merged(hinted(setup, onto, whole, tried, hint), () if found is None else (found,))
 
 
 def merged(one: Sequence[Rival], other: Sequence[Rival]) -> tuple[Rival, ...]:
@@ -77,7 +77,8 @@ def ranked(setup: Setup, rivals: Sequence[Rival]) -> tuple[Rival, ...]:
         if explains_more(setup, rival.whole, best.whole):
             best = rival
     others = [r for r in by_criterion if r is not best]
-    return (best, *(replace(r, refused=explains_more(setup, best.whole, r.whole)) for r in others))
+    refused = (replace(r, refused=explains_more(setup, best.whole, r.whole)) for r in others)
+    return (replace(best, refused=False), *refused)
 
 
 def explains_more(setup: Setup, found: Fit, other: Fit) -> bool:
