@@ -149,8 +149,8 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
                 Parameter("bouncing.normal_restitution", 0.05, 1e-3, 0.98, coarser=UNEVEN),
                 Parameter("bouncing.contact_frequency", 0.2, 125.0, 600.0, True, UNEVEN),
             ),
-            tuple({"bouncing.normal_restitution": e, "bouncing.contact_frequency": 350.0}
-                  for e in (0.3, 0.45, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9)),
+            tuple({"bouncing.normal_restitution": e, "bouncing.contact_frequency": f}
+                  for f in (200.0, 350.0) for e in (0.3, 0.45, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9)),
             {"bouncing.friction": math.inf}, smooth=False, replaces_restitution=True, costly=True,
             scouts=("bouncing.normal_restitution",),
         ),
