@@ -118,7 +118,8 @@ def test_the_stiffness_of_a_floor_is_found_among_its_minima() -> None:
     from_truth = fit(simulator, true, first.parameters, plain.swing.windows, iterations=20)
     assert ended.chi2 < from_truth.chi2 + 0.5
     # The interval against the profile of the likelihood, which uses no slope: chi-square higher by one at one standard
-    # deviation.  The valley bends, so that it is told within a factor of 1.6; too fine steps had it at a quarter.
+    # deviation.  The valley bends, so that it is told within a factor of 1.6; steps of a hundredth, with runs ten times
+    # less accurate, had it at a quarter.
     for side in (1.0, -1.0):
         there = ended.model.changed({name: ended.values[name] * math.exp(side * sd / ended.values[name])})
         refit = fit(simulator, there, first.parameters[1:], ended.windows, iterations=20, tolerance=1e-5)
