@@ -29,7 +29,7 @@ from trajectories import floor_us, fused_per_second
 from excitation import PiecewiseLinear, RampedSinusoid
 from rocking import Block, Method1, solve, solve_batch
 from rocking.solvers.arrays import taylor_batch
-from rocking.solvers.devices import jax_device
+from rocking.solvers.devices import PRECISIONS, jax_device
 from rocking.solvers.exact.batch import RampedSines, ScaledRecord, exact_batch
 
 RESULTS = Path(__file__).parent / "results" / "maps.csv"
@@ -51,14 +51,15 @@ def whole(form: str, motion: Any, options: dict[str, Any]) -> tuple[list[str], f
     return [*numbers, f"{result.overturned.mean():.1%}", f"{result.impacts.mean():.0f}"], cpu / n
 
 
-def on_device(device: str, motion: Any, options: dict[str, Any], mean: float) -> list[str]:
-    """The cells of a linear map carried by a device of JAX; `mean` as of `sampled`."""
+def on_device(device: str, precision: str, motion: Any, options: dict[str, Any], mean: float) -> list[str]:
+    """The cells of a linear map carried by a device of JAX in that precision; `mean` as of `sampled`."""
     compiled = exact_batch(motion, device="cpu", **options)
-    exact_batch(motion, device=device, **options)
+    where = {"device": device, "precision": precision}
+    exact_batch(motion, **where, **options)
     walls = []
     for _ in range(3):
         begin = time.perf_counter()
-        result = exact_batch(motion, device=device, **options)
+        result = exact_batch(motion, **where, **options)
         walls.append(time.perf_counter() - begin)
     n, wall = result.overturned.size, min(walls)
     print(f"{result.device.flat[0]}: {np.sum(result.overturned != compiled.overturned)} of {n} fall otherwise")
@@ -107,7 +108,11 @@ def main() -> None:
     """Measure, print and save."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="small maps, of which no results are kept")
-    parser.add_argument("--device", choices=("gpu", "jax-cpu"), help="carry the linear maps by a device of JAX too")
+    parser.add_argument(
+        "--device",
+        choices=("gpu", "jax-cpu"),
+        help="carry the linear maps by a device of JAX too, in double and in single precision",
+    )
     quick, device = (arguments := parser.parse_args()).quick, arguments.device
     if device is not None:
         try:
@@ -126,7 +131,7 @@ def main() -> None:
         numbers, mean = whole(form, waves, same)
         rows.append([label, form, "taylor, 2 threads", *numbers])
         if device is not None and form == "linear":
-            rows.append([label, form, *on_device(device, waves, same, mean)])
+            rows += [[label, form, *on_device(device, kind, waves, same, mean)] for kind in PRECISIONS]
         rows += [[label, form, *row] for row in sampled(form, points, 10.0, mean)]
     n = 100 if quick else 1000
     h, scale, values = np.geomspace(0.2, 5.0, n), np.linspace(0.2, 3.0, n), noise(0)
@@ -139,7 +144,7 @@ def main() -> None:
         numbers, mean = whole(form, record := ScaledRecord(values, 0.005, scale=scale), same)
         rows.append([label, form, "taylor, 2 threads", *numbers])
         if device is not None and form == "linear":
-            rows.append([label, form, *on_device(device, record, same, mean)])
+            rows += [[label, form, *on_device(device, kind, record, same, mean)] for kind in PRECISIONS]
         rows += [[label, form, *row] for row in sampled(form, points, 30.0, mean)]
     for row in [HEAD, *rows]:
         print("  ".join(f"{cell:20s}" for cell in row).rstrip())

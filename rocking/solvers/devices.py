@@ -16,6 +16,8 @@ from typing import Any
 
 DEVICES = ("cpu", "gpu", "jax-cpu")
 
+PRECISIONS = ("float64", "float32")
+
 LEAST_RUNS = 4096
 """A GPU is taken unasked for as many runs or more; fewer leave most of it idle, and compiling takes seconds."""
 
@@ -58,8 +60,20 @@ def chosen(name: str | None, runs: int) -> Any:
     return jax_device("gpu") if runs >= LEAST_RUNS and has_gpu() else None
 
 
-def label(device: Any) -> str:
-    """What a result says of where it was made."""
+def checked_precision(precision: str, device: Any) -> Any:
+    """The device (one of JAX, or None for the compiled code), if it calculates in this precision; else ValueError."""
+    if precision not in PRECISIONS:
+        raise ValueError(f"precision={precision!r}: want one of {', '.join(PRECISIONS)}")
+    if device is None and precision != "float64":
+        raise ValueError(
+            f"precision={precision!r}: the compiled code of the CPU knows float64 alone; want device='gpu'"
+        )
+    return device
+
+
+def label(device: Any, precision: str = "float64") -> str:
+    """What a result says of where it was made, and of the precision where it is not double."""
     if device is None:
         return "cpu"
-    return f"jax-cpu: {device.device_kind}" if device.platform == "cpu" else f"{device.platform}: {device.device_kind}"
+    name = f"jax-cpu: {device.device_kind}" if device.platform == "cpu" else f"{device.platform}: {device.device_kind}"
+    return name if precision == "float64" else f"{name}, {precision}"

@@ -54,12 +54,34 @@ def blocks(rng: np.random.Generator) -> tuple[np.ndarray, dict[str, np.ndarray]]
     return par, {"theta": theta, "omega": np.where(released, rng.uniform(-0.1, 0.1, RUNS) * np.sqrt(par[:, 0]), 0.0)}
 
 
-def must_agree(pars: np.ndarray, samples: Any, starts: np.ndarray, motions: np.ndarray, **lanes: int) -> None:
+def in_single_precision(pars: np.ndarray, samples: Any, starts: np.ndarray, motions: np.ndarray) -> None:
+    """The falls of double precision, and tilts and times to a few units of single, which each impact multiplies."""
+    compiled = carry_portions(
+        "linear", samples, lambda a, b: [np.ascontiguousarray(t[a:b]) for t in (pars, starts, motions)], RUNS, 10**6
+    )
+    device = devices.jax_device("jax-cpu")
+    traced = carry_on_device(samples, pars, starts, motions, 10**6, device, precision="float32")
+    for column in (OVERTURNED, SIDE, FINISHED):
+        np.testing.assert_array_equal(traced[:, column], compiled[:, column])
+    np.testing.assert_array_equal(np.isnan(traced), np.isnan(compiled))
+    unit = np.finfo(np.float32).eps
+    np.testing.assert_allclose(traced[:, FIRST], compiled[:, FIRST], rtol=8.0 * unit, atol=8.0 * unit)
+    for column in (LARGEST, ENDED):
+        assert np.nanmedian(np.abs(traced[:, column] - compiled[:, column])) < 2.0 * unit
+    # A chatter ends at a count that rounding decides for some.
+    assert np.mean(traced[:, COUNT] != compiled[:, COUNT]) < 0.05
+    # Were numbers of double precision carried along somewhere, rounding would not be that of single.
+    assert np.max(np.abs(traced[:, LARGEST] - compiled[:, LARGEST])) > unit
+
+
+def must_agree(
+    pars: np.ndarray, samples: Any, starts: np.ndarray, motions: np.ndarray, lanes: int = jax_batch.MOST_LANES
+) -> None:
     """The same outcomes and counts, and times and tilts to rounding, which each impact multiplies."""
     compiled = carry_portions(
         "linear", samples, lambda a, b: [np.ascontiguousarray(t[a:b]) for t in (pars, starts, motions)], RUNS, 10**6
     )
-    traced = carry_on_device(samples, pars, starts, motions, 10**6, devices.jax_device("jax-cpu"), **lanes)
+    traced = carry_on_device(samples, pars, starts, motions, 10**6, devices.jax_device("jax-cpu"), lanes)
     for column in (OVERTURNED, SIDE, COUNT, FINISHED, LAST_MODE):
         np.testing.assert_array_equal(traced[:, column], compiled[:, column])
     np.testing.assert_allclose(traced[:, FIRST], compiled[:, FIRST], rtol=0.0, atol=1e-11)
@@ -82,7 +104,8 @@ def test_hundreds_of_runs_over_records_are_those_of_the_compiled_batch() -> None
     t_start = np.where(np.arange(RUNS) % 5 == 0, 1.37, -0.6)
     t_end = t_start + rng.uniform(3.0, 9.0, RUNS)
     # Fewer lanes than runs: a lane takes one run after another.
-    must_agree(pars, samples, start_rows(**start, t_start=t_start, t_end=t_end), motions, most_lanes=128)
+    must_agree(pars, samples, start_rows(**start, t_start=t_start, t_end=t_end), motions, lanes=128)
+    in_single_precision(pars, samples, start_rows(**start, t_start=t_start, t_end=t_end), motions)
     np.testing.assert_array_equal(rows[:, LARGEST_SAMPLE], 1.0)
 
 
@@ -94,20 +117,23 @@ def test_hundreds_of_runs_over_sinusoids_are_those_of_the_compiled_batch() -> No
     motions = np.stack([p * rng.uniform(0.5, 6.0, RUNS), rng.uniform(-3.0, 3.0, RUNS), rate, 6.0 / p], axis=1)
     t_start = np.where(np.arange(RUNS) % 5 == 0, 1.37, -0.2) / p
     must_agree(pars, None, start_rows(**start, t_start=t_start, t_end=8.0 / p), motions)
+    in_single_precision(pars, None, start_rows(**start, t_start=t_start, t_end=8.0 / p), motions)
 
 
 # What a GPU compiles is lowered here for one, which wants no GPU: no operation is used that it does not have.
 @pytest.mark.parametrize("wave", [True, False])
-def test_the_program_lowers_for_a_gpu(wave: bool) -> None:
+@pytest.mark.parametrize("precision", devices.PRECISIONS)
+def test_the_program_lowers_for_a_gpu(wave: bool, precision: str) -> None:
     with jax.enable_x64(True):
-        table = jax.ShapeDtypeStruct((100, 6), np.float64)
-        motions = jax.ShapeDtypeStruct((100, 4 if wave else 6), np.float64)
-        runs = jax_batch.Runs(table, table, motions, jax.ShapeDtypeStruct((100, 9), np.float64))
-        base = jax_batch.Base(*(jax.ShapeDtypeStruct((n,), np.float64) for n in (640, 20)))
+        table = jax.ShapeDtypeStruct((100, 6), precision)
+        motions = jax.ShapeDtypeStruct((100, 4 if wave else 6), precision)
+        runs = jax_batch.Runs(table, table, motions, jax.ShapeDtypeStruct((100, 9), precision))
+        base = jax_batch.Base(*(jax.ShapeDtypeStruct((n,), precision) for n in (640, 20)))
         whole = jax.ShapeDtypeStruct((), np.int64)
         program = jax.export.export(jax_batch.carried, platforms=["cuda"])(runs, base, whole, wave=wave, width=128)
     assert program.platforms == ("cuda",)
-    assert "f64" in str(program.mlir_module())
+    # A number of double precision among single ones would be slow, and make all after it double.
+    assert ("xf64" in str(program.mlir_module())) == (precision == "float64")
 
 
 def test_the_device_is_recorded_and_the_cpu_unless_asked_for_otherwise() -> None:
@@ -166,6 +192,24 @@ def test_a_map_on_a_gpu_is_that_of_the_cpu() -> None:
     assert other.device.flat[0].startswith("gpu")
     # A run on the verge of falling may differ: rounding decides.
     assert np.mean(one.overturned != other.overturned) < 1e-3
+    single = exact_batch(RampedSines(omega, rate, 10.0), device="gpu", precision="float32", **same)
+    assert single.device.flat[0].endswith("float32")
+    assert np.all(single.finished)
+    assert np.mean(one.overturned != single.overturned) < 1e-2
+
+
+def test_single_precision_is_refused_where_it_does_not_serve_and_written_on_what_it_made() -> None:
+    wave: dict[str, Any] = {"motion": RampedSines(12.0, 1.0, 10.0), "alpha": 0.2, "e": 0.9, "t_end": 1.0}
+    made = exact_batch(p=5.0, device="jax-cpu", precision="float32", **wave)
+    assert made.device == "jax-cpu: cpu, float32"
+    with pytest.raises(ValueError, match=r"precision='float32': the compiled code of the CPU knows float64 alone"):
+        exact_batch(p=5.0, precision="float32", **wave)
+    with pytest.raises(ValueError, match=r"precision='float16': want one of float64, float32"):
+        exact_batch(p=5.0, device="jax-cpu", precision="float16", **wave)
+    with pytest.raises(ValueError, match=r"precision='float32': does not hold 1e\+40, want 'float64'"):
+        exact_batch(p=1e20, device="jax-cpu", precision="float32", **wave)
+    with pytest.raises(ValueError, match=r"precision='float32': does not hold 1e-40"):
+        exact_batch(p=5.0, theta=1e-40, device="jax-cpu", precision="float32", **wave)
 
 
 def test_a_device_is_refused_by_solvers_of_the_cpu_and_by_other_names() -> None:

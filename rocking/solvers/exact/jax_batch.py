@@ -4,8 +4,8 @@ Runs go side by side in lanes; a lane whose run is over takes the next.  Every r
 operations for all lanes, so that a GPU carries them in its registers; impacts are located to rounding.
 
 Source   as of `rocking.solvers.exact`.
-Status   agrees with the compiled batch of `rocking.solvers.taylor.batch` to rounding; not measured on a GPU yet.
-         JAX's 64-bit mode is on while runs are carried, and only then.
+Status   agrees with the compiled batch of `rocking.solvers.taylor.batch` to rounding, in double precision and in
+         single; not measured on a GPU yet.  JAX's 64-bit mode is on while runs are carried, and only then.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def summary(F: Fixed, M: Moving) -> Any:
         fell, jnp.where(fell, M.s, 0.0), jnp.where(fell, M.passage, jnp.nan), M.peak, M.impacts, fell | ended, t_end,
         M.onset_time, jnp.where(M.rests, REST, ROTATION),
     )  # fmt: skip
-    return jnp.stack([jnp.asarray(column, float) for column in columns], axis=1)
+    return jnp.stack([jnp.asarray(column, F.p.dtype) for column in columns], axis=1)
 
 
 def refill(runs: Runs, lanes: Lanes, wave: bool) -> Lanes:
@@ -104,6 +104,21 @@ def carried(runs: Runs, base: Base, max_events: Any, wave: bool, width: int) -> 
     return lax.while_loop(on, go, lanes).out
 
 
+def _as(precision: str, numbers: Any) -> Any:
+    """The numbers in that precision; ValueError if it does not hold one of them."""
+    given = np.asarray(numbers, np.float64)
+    if precision == "float64":
+        return given
+    with np.errstate(over="ignore", under="ignore"):
+        kept = given.astype(precision)
+    lost = np.isfinite(given) & (~np.isfinite(kept) | ((given != 0.0) & (np.abs(kept) < np.finfo(precision).tiny)))
+    if np.any(lost):
+        raise ValueError(
+            f"precision={precision!r}: does not hold {float(given[lost].flat[0])!r}, want 'float64' for such runs"
+        )
+    return kept
+
+
 def carry_on_device(
     record: Samples | None,
     pars: Array,
@@ -112,16 +127,23 @@ def carry_on_device(
     max_events: int,
     device: Any,
     most_lanes: int = MOST_LANES,
+    precision: str = "float64",
 ) -> Array:
     """What became of each run, as `rocking.solvers.taylor.batch.carry_portions` gives it.
 
-    record: None for sinusoids; pars, starts, motions: tables of a row for each run; device: one of JAX.
+    record: None for sinusoids; pars, starts, motions: tables of a row for each run; device: one of JAX; precision:
+    of the numbers that it calculates with.
     """
     count = pars.shape[0]
     width = min(most_lanes, max(64, 2 ** (count - 1).bit_length()))
+    shared = record if record is not None else (np.zeros(2), np.zeros(2))
+    # Where a record begins among the samples is a number of the table.
+    if np.size(shared[0]) > 2.0 / np.finfo(precision).eps:
+        raise ValueError(
+            f"precision={precision!r}: the records have {np.size(shared[0])} samples, too many to count in it"
+        )
+    tables = (pars, starts, motions, np.full((count, COLUMNS), np.nan))
+    rows, samples = Runs(*(_as(precision, a) for a in tables)), Base(*(_as(precision, a) for a in shared))
     with jax.enable_x64(True), jax.default_device(device):
-        tables = [jax.device_put(np.asarray(a, np.float64), device) for a in (pars, starts, motions)]
-        shared = record if record is not None else (np.zeros(2), np.zeros(2))
-        base = Base(*(jax.device_put(np.asarray(a, np.float64), device) for a in shared))
-        runs = Runs(tables[0], tables[1], tables[2], jax.device_put(np.full((count, COLUMNS), np.nan), device))
-        return np.array(carried(runs, base, jnp.asarray(max_events), record is None, width))
+        runs, base = jax.device_put((rows, samples), device)
+        return np.array(carried(runs, base, jnp.asarray(max_events), record is None, width), np.float64)

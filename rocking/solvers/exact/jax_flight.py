@@ -10,6 +10,7 @@ Source   own derivation, as `rocking.solvers.piecewise.polynomial`; linear equat
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import jax.numpy as jnp
@@ -20,11 +21,8 @@ DEGREE = 9
 NEWTON_STEPS = 6
 """Newton steps and halvings in one search; four are usual."""
 
-SURE = 1e-8
-"""A Newton step shorter than this share of the root leaves an error of its square: below rounding."""
-
-TOUCH = 1e-16
-"""A step of this share of what was to be searched finds the polynomial at its root."""
+TOUCH = 0.5
+"""A step of so many units of rounding of what was to be searched finds the polynomial at its root."""
 
 
 def value(c: Any, t: Any) -> Any:
@@ -89,6 +87,8 @@ def _newton(q: Any, end: Any) -> tuple[Any, Any, Any]:
 
     Newton's method within a bracket.
     """
+    # A Newton step shorter than this share of the root leaves an error of its square: below rounding.
+    sure = 0.5 * math.sqrt(jnp.finfo(end.dtype).eps)
     inner = jnp.maximum(q[1] * q[1] - 4.0 * q[0] * q[2], 0.0)
     guess = 2.0 * q[0] / (jnp.sqrt(inner) - q[1])
     low, high = jnp.zeros_like(end), end
@@ -99,7 +99,7 @@ def _newton(q: Any, end: Any) -> tuple[Any, Any, Any]:
         low, high = jnp.where(q_t > 0.0, t, low), jnp.where(q_t > 0.0, high, t)
         change = q_t / slope(q, t)
         t_new = t - change
-        close = (jnp.abs(change) <= SURE * t) | (high <= low)
+        close = (jnp.abs(change) <= sure * t) | (high <= low)
         other = jnp.where(close, jnp.clip(t_new, low, high), 0.5 * (low + high))
         t = jnp.where(done, t, jnp.where((t_new > low) & (t_new < high), t_new, other))
         done = done | close
@@ -135,7 +135,7 @@ def first_descent(c: Any, h: Any) -> tuple[Any, Any]:
     ahead = jnp.where(M > 0.0, (reach + q[1]) / jnp.where(M > 0.0, M, 1.0), jnp.inf)
     step = jnp.where(q[1] < 0.0, 2.0 * q[0] / (reach - q[1]), ahead)
     step = jnp.maximum(step, jnp.where(whole | falls_in_part, before, 0.0))
-    touches = step <= TOUCH * h
+    touches = step <= TOUCH * float(jnp.finfo(h.dtype).eps) * h
     walked = jnp.where(step >= h, h, step)
     at = jnp.where(free, h, jnp.where(found, jnp.minimum(root, h), walked))
     lands = ~free & (found | touches)

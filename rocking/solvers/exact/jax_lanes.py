@@ -79,6 +79,16 @@ class Moving(NamedTuple):
     status: Any
 
 
+def unit(x: Any) -> float:
+    """Unit of rounding of the numbers of x [1]: the distance from 1 to the next."""
+    return float(jnp.finfo(x.dtype).eps)
+
+
+def least(x: Any) -> float:
+    """The smallest positive number of the kind of x that has all its digits."""
+    return float(jnp.finfo(x.dtype).tiny)
+
+
 def stop_of(F: Fixed, k: Any) -> Any:
     """Where in interval k the run leaves it [s]."""
     return jnp.where(k == F.k_last, F.stop_last, F.dt)
@@ -114,7 +124,7 @@ def constants(pars: Any, starts: Any, motions: Any, wave: bool) -> Fixed:
     zero = jnp.zeros_like(p)
     if wave:
         omega, phase, rate, duration = motions.T
-        fastest = jnp.maximum(jnp.abs(omega), 1e-300)
+        fastest = jnp.maximum(jnp.abs(omega), least(omega))
         count = jnp.ceil(duration / jnp.minimum(LONGEST_STEP / p, LONGEST_TURN / fastest))
         dt, origin, rate = duration / count, zero, rate / g
         most = jnp.abs(rate) * jnp.clip(t_end, 0.0, duration)
@@ -134,13 +144,13 @@ def constants(pars: Any, starts: Any, motions: Any, wave: bool) -> Fixed:
     # The small additions cover the rounding of the bounds themselves.
     half = jnp.sinh(0.25 * p * jnp.maximum(dt, LONGEST_STEP / p))
     force = jnp.maximum(most - alpha, 0.0)
-    step, more = jnp.minimum(dt, limit), 1.0 + 1e-6
+    step, more, rounding = jnp.minimum(dt, limit), 1.0 + 1e-6 + 16.0 * unit(p), 4.0 * unit(p)
     whole = jnp.int64
     return Fixed(
         p=p, p2=p2, alpha=alpha, onset=onset, e=e, omega_rest=omega_rest, t_end=t_end, dt=dt, origin=origin,
         k_last=k_last.astype(whole), stop_last=stop_last, count=count.astype(whole), limit=limit,
-        bulge=0.125 * p2 * (0.5 * math.pi + most) * step * step * more + 1e-15,
-        clear=2.0 * half * half * force * more + jnp.where(force > 0.0, 1e-15, 0.0),
+        bulge=0.125 * p2 * (0.5 * math.pi + most) * step * step * more + rounding,
+        clear=2.0 * half * half * force * more + rounding * jnp.sign(force),
         swell=0.125 * p2 * (alpha + most) * dt * dt * more,
         grow=jnp.exp(p * dt), first=first.astype(whole), scale=scale, omega=omega, phase=phase, rate=rate,
     )  # fmt: skip

@@ -21,10 +21,12 @@ from rocking.solvers.exact.jax_lanes import (
     Fixed,
     Moving,
     ends_of_interval,
+    least,
     moment,
     rate_at,
     stop_of,
     turns,
+    unit,
 )
 from rocking.solvers.recording import FELL, MAX_STALLED, REACHED_END, STALL_TIME, STALLED, TOO_MANY_EVENTS
 from rocking.solvers.taylor.records import BLOCK
@@ -40,21 +42,22 @@ def next_quiet(F: Fixed, base: Base, k: Any, wave: bool) -> Any:
     """The interval after k, or after all that surely do not tip a block that stands: k itself if that one may."""
     moves = (k >= 0) & (k < F.count)
     outside = jnp.where(k < 0, jnp.minimum(0, F.k_last), F.k_last)
+    margin = 4096.0 * unit(F.dt)
     if wave:
         rate, t = jnp.abs(F.rate), k * F.dt
         # |a''| <= rate (t omega^2 + 2 omega), so |a| exceeds its ends by no more than that times dt^2/8.
         over = rate * ((t + F.dt) * F.omega**2 + 2.0 * jnp.abs(F.omega)) * F.dt**2 / 8.0
         at_ends = [jnp.abs(t_j * s_j) for t_j, s_j, _ in (turns(F, k, 0.0), turns(F, k + 1, 0.0))]
-        quiet = rate * jnp.maximum(*at_ends) + over <= F.onset * (1.0 - 1e-12)
+        quiet = rate * jnp.maximum(*at_ends) + over <= F.onset * (1.0 - margin)
         # Before the envelope reaches the threshold nothing can happen.
-        low = jnp.floor(F.onset / jnp.where(rate > 0.0, rate, 1e-300) / F.dt * (1.0 - 1e-12)) - 1.0
-        ahead = jnp.clip(low, 0.0, F.count * 1.0).astype(k.dtype)
+        low = jnp.floor(F.onset / jnp.where(rate > 0.0, rate, least(rate)) / F.dt * (1.0 - margin)) - 1.0
+        ahead = jnp.clip(low, 0.0, F.count.astype(low.dtype)).astype(k.dtype)
         inside = jnp.where(quiet, jnp.maximum(k + 1, ahead), k)
     else:
         b0, b1 = ends_of_interval(F, base, k)
-        quiet = jnp.maximum(jnp.abs(b0), jnp.abs(b1)) <= F.onset * (1.0 - 1e-12)
+        quiet = jnp.maximum(jnp.abs(b0), jnp.abs(b1)) <= F.onset * (1.0 - margin)
         block = jnp.clip((F.first + k) // BLOCK, 0, base.peaks.size - 2)
-        low = jnp.maximum(base.peaks[block], base.peaks[block + 1]) * jnp.abs(F.scale) <= F.onset * (1.0 - 1e-12)
+        low = jnp.maximum(base.peaks[block], base.peaks[block + 1]) * jnp.abs(F.scale) <= F.onset * (1.0 - margin)
         far = (k % BLOCK == 0) & low & (k + BLOCK < F.count)
         inside = jnp.where(quiet, jnp.where(far, k + BLOCK, k + 1), k)
     return jnp.minimum(jnp.where(moves, inside, outside), F.k_last)
@@ -185,7 +188,7 @@ def chatter(F: Fixed, M: Moving, v: Any, s: Any, a: Any, rise: Any, curve: Any) 
     total, least = (t_1 + t_2) * both, jnp.minimum(A_1, A_2)
     shift = change / 3.0 * (t_1 / A_1 - t_2 / A_2) * both
     drift, bent = jnp.abs(change) * total / least, F.p2 * curve * total * total / least
-    unsure = 2.0 * drift**2 + bent + F.p2 * drift * total**2 + drift * F.omega_rest / v + 1e-9
+    unsure = 2.0 * drift**2 + bent + F.p2 * drift * total**2 + drift * F.omega_rest / v + 1e-9 + 64.0 * unit(v)
     lost = -jnp.log(F.e)
     number, margin = (jnp.log(v / F.omega_rest) + shift) / lost, unsure / lost
     follows = (0.75 * v * v / least > M.peak) | (bent > 0.1) | (number < margin)
@@ -255,7 +258,7 @@ def moved(F: Fixed, M: Moving, f: Found, struck: Struck) -> Moving:
         x = jnp.where(f.kind == kind, tilt, jnp.maximum(x, 0.0))
     v = jnp.where(f.kind == CREST, 0.0, jnp.where(f.kind == LANDING, struck.v, v))
     keeps = M.rests | f.stays
-    s = jnp.where(f.kind == TIP, jnp.where(a < 0.0, 1.0, -1.0), M.s)
+    s = jnp.where(f.kind == TIP, jnp.where(a < 0.0, jnp.ones_like(a), -jnp.ones_like(a)), M.s)
     tau = M.tau + f.reach
     whole = (f.step.whole & (f.kind == NOTHING) & ~f.stays) & (f.reach >= f.step.h)
     whole = lax.optimization_barrier(whole)
