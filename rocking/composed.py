@@ -88,9 +88,9 @@ def guards(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[A
     return fall, impact, xp.where(rotating, 1.0, right), xp.where(rotating, 1.0, left)
 
 
-def _after(xp: Any, omega: Any, s: Any, par: Parameters) -> Any:
+def _after(xp: Any, omega: Any, s: Any, par: Parameters, more: Any) -> Any:
     """Angular velocity after the impact at which the side s hands over; the restitution stays within 0 and 1."""
-    e = xp.where(s > 0.0, par.e_right, par.e_left)
+    e = xp.where(s > 0.0, par.e_right, par.e_left) + more
     slots = len(par.hooks.restitutions)
     for i in range(par.hooks.striking):
         e = par.hooks.restitutions[i](e, omega, s, par.hooks.values[slots + i])
@@ -99,8 +99,15 @@ def _after(xp: Any, omega: Any, s: Any, par: Parameters) -> Any:
 
 def jump(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters, k: Any) -> tuple[tuple[Any, Any], Discrete]:
     """Impact, and rest if it was the last.  Tip: rotation about the edge to which the moment turns."""
+    return jump_with(xp, y, q, base, par, k, 0.0)
+
+
+def jump_with(
+    xp: Any, y: Any, q: Discrete, base: Base, par: Parameters, k: Any, more: Any
+) -> tuple[tuple[Any, Any], Discrete]:
+    """The same with so much more restitution [1]."""
     impact = k == IMPACT
-    omega = xp.where(impact, _after(xp, y[1], q.s, par), 0.0)
+    omega = xp.where(impact, _after(xp, y[1], q.s, par, more), 0.0)
     holds = (_held(xp, 1.0, base, par) >= 0.0) & (_held(xp, -1.0, base, par) >= 0.0)
     rests = impact & (xp.abs(omega) < par.omega_rest) & holds
     s = xp.where(impact, -q.s, xp.where(k == TIP_RIGHT, 1.0, -1.0))

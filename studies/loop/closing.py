@@ -270,7 +270,7 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
     if named is not plain and not named.costly:
         routes.append(learn(setup.simulator, named, tell))
     best = min(routes, key=lambda t: bic(t.swing))
-    learned = any(part.effect == LEARNED for part in best.parts)
+    learned = any(part.effect in LEARNED for part in best.parts)
     if not learned or bic(best.swing) > bic(named.swing) - (PAYS if structured else 0.0):
         if _over_noise(setup, named) > _unexplained(setup):
             return named, "unexplained"

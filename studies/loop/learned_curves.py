@@ -1,6 +1,6 @@
 """What a learned term looks like: each of its parts as a curve with its 95 % band, over what was measured.
 
-Status   the coefficients enter linearly, so that a band follows from their covariance.
+Status   coefficients that enter linearly have a band that follows from their covariance, decays one to first order.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studies.loop.learning import LEARNED
+from rocking.effects.learned_curve import EVEN, ODD, curve, numbers
+from studies.loop.learning import CURVE, MEMORY, TERM
 from studies.loop.model import DRIFT
 from studies.loop.preparing import Setup
 from studies.loop.settling import Settled
@@ -83,31 +84,97 @@ PARTS = {
 }  # fmt: skip
 
 
+MEMORIES = {
+    ("first", "first_impacts"): ("impacts of the test before", 20.0),
+    ("recent", "recent_time"): ("time since the impact before [s]", 1.0),
+}
+"""What a restitution with a memory depends on, and how far it is drawn."""
+
+
 def curves(setup: Setup, settled: Settled) -> tuple[Curve, ...]:
     """The parts of a learned term that a finding holds; none if nothing was learned."""
     held = {name: k for k, name in enumerate(settled.names)}
     found = []
     for key, part in PARTS.items():
-        own = {f"{LEARNED}.{name}": function for name, function in part.functions.items()}
+        own = {f"{TERM}.{name}": function for name, function in part.functions.items()}
         own = {name: function for name, function in own.items() if name in held}
         if own:
-            found.append(_curve(part, own, held, settled, np.linspace(-1.0, 1.0, POINTS) * _reach(setup, key)))
+            found.append(_linear(part, own, held, settled, np.linspace(-1.0, 1.0, POINTS) * _reach(setup, key)))
+    for part in _splines(settled):
+        found.append(
+            _linear(part, part.functions, held, settled, np.linspace(-1.0, 1.0, 2 * POINTS) * _reach(setup, "rotation"))
+        )
+    found += [_decay(setup, settled, held, depth, span) for depth, span in MEMORIES if f"{MEMORY}.{depth}" in held]
     if DRIFT in held:
         part = _Part(
             "Restitution against the number of the test", "What is added to the restitution as the campaign goes on.",
             "tests done before", "change of restitution [1]", {},
         )  # fmt: skip
         x = np.arange(len(setup.campaign.tests), dtype=np.float64)
-        found.append(_curve(part, {DRIFT: lambda x: x}, held, settled, x))
+        found.append(_linear(part, {DRIFT: lambda x: x}, held, settled, x))
     return tuple(found)
 
 
-def _curve(
+def _splines(settled: Settled) -> list[_Part]:
+    """Torques against rotation of any shape."""
+    fixed, found = settled.whole.model.effects.get(CURVE, {}), []
+    for kind, names, words in (
+        ("odd", ODD, "alike on both sides"),
+        ("even", EVEN, "with one sign on both sides"),
+    ):
+        if f"{CURVE}.{names[0]}" not in settled.names:
+            continue
+        reach, n = fixed[f"{kind}_reach"], int(fixed[f"{kind}_intervals"])
+        functions = {
+            f"{CURVE}.{name}": _spline(kind, numbers(reach, tuple(np.eye(n + 1)[j])))
+            for j, name in enumerate(names[: n + 1])
+        }
+        found.append(
+            _Part(
+                f"Torque against rotation, {words}",
+                "An angular acceleration beyond that of the model without the term, a curve of any shape.",
+                "rotation [rad]", TORQUE, functions,
+            )
+        )  # fmt: skip
+    return found
+
+
+def _spline(kind: str, of_it: tuple[float, ...]) -> Callable[[Array], Array]:
+    def there(x: Array) -> Array:
+        sign = np.sign(x) if kind == "odd" else 1.0
+        return np.asarray(sign * curve(np, np.abs(x), of_it, 0))
+
+    return there
+
+
+def _decay(setup: Setup, settled: Settled, held: Mapping[str, int], depth: str, span: str) -> Curve:
+    """A restitution that depends on the impacts before, with a band to first order in its two parameters."""
+    model = settled.whole.model
+    size, width = model.get(f"{MEMORY}.{depth}"), model.get(f"{MEMORY}.{span}")
+    x_label, longest = MEMORIES[depth, span]
+    if depth == "first":
+        longest = max((len(record.found.impacts) for record in setup.records), default=longest)
+    x = np.linspace(0.0, longest, POINTS)
+    fall = np.exp(-x / width)
+    rows = np.array([fall, size * x / width**2 * fall])
+    places = [held[f"{MEMORY}.{name}"] for name in (depth, span)]
+    part = _Part(
+        f"Restitution against the {x_label.partition(' [')[0]}", "What is added to the restitution.", x_label,
+        "change of restitution [1]", {},
+    )  # fmt: skip
+    return _banded(part, x, size * fall, rows, places, settled)
+
+
+def _linear(
     part: _Part, own: Mapping[str, Callable[[Array], Array]], held: Mapping[str, int], settled: Settled, x: Array
 ) -> Curve:
     rows = np.array([function(x) for function in own.values()])
-    places = [held[name] for name in own]
     y = rows.T @ np.array([settled.whole.model.get(name) for name in own])
+    return _banded(part, x, y, rows, [held[name] for name in own], settled)
+
+
+def _banded(part: _Part, x: Array, y: Array, rows: Array, places: list[int], settled: Settled) -> Curve:
+    """The curve y with a band; rows: its derivatives by the parameters at these places, shape (parameter, point)."""
     covariance = settled.covariance[np.ix_(places, places)]
     half = 1.96 * np.sqrt(np.maximum(np.einsum("ki,kl,li->i", rows, covariance, rows), 0.0))
     return Curve(part.label, part.description, x, y, y - half, y + half, part.x_label, part.y_label)

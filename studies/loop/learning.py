@@ -1,24 +1,28 @@
 """What no candidate explains: the residual learned as a term, one coefficient after the other.
 
-Each coefficient of `rocking.effects.learned_term`, and a drift of restitution from test to test, is a parameter whose
-default is nothing, fitted with the same machinery as the effects.  The greedy search stops when the next one does not
-lower the residual by `LEAST_GAIN`.
+Each coefficient of `rocking.effects.learned_term`, a drift of restitution from test to test, the curves of
+`rocking.effects.learned_curve` and the restitution with a memory of `rocking.effects.learned_memory` are parameters
+whose default is nothing, fitted with the same machinery as the effects.  The greedy search stops when the next one does
+not lower the residual by `LEAST_GAIN`.
 
-Status   memory and further freedoms are outside of the span: then little is learned, and the term goes.
+Status   further freedoms, and a torque with a memory, are outside of the span: then little is learned.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from rocking.effects.learned_curve import EVEN, ODD
 from studies.campaigns import DeclaredBlock
 from studies.loop.candidates import Candidate
 from studies.loop.fitting import Parameter
 from studies.loop.model import DRIFT
 from studies.loop.simulation import Simulator
 from studies.loop.tracing import Trial, pays, search
+from studies.loop.windows import Window
 
 LEAST_GAIN = 0.03
 """Share by which the rms of the swings has to fall for one more coefficient."""
@@ -28,7 +32,14 @@ MOST_TERMS = 4
 HOPELESS = 2
 """Coefficients after which half of what is to be reached has to be."""
 
-LEARNED = "learned_term"
+TERM, CURVE, MEMORY = LEARNED = ("learned_term", "learned_curve", "learned_memory")
+"""Effects that say how a residual looks and not what it comes from."""
+
+FURTHEST = 1.02
+"""Where a curve ends, over the largest peak of the swings."""
+
+NEAR_UPRIGHT = 0.2
+"""And where one ends that acts near upright."""
 
 
 def terms(block: DeclaredBlock) -> tuple[Candidate, ...]:
@@ -52,14 +63,43 @@ def terms(block: DeclaredBlock) -> tuple[Candidate, ...]:
         "restitution_square": 0.01 / omega**2,
         "structural": torque / alpha,
     }
-    found = [_term(f"{LEARNED}.{name}", size) for name, size in sizes.items()]
+    found = [_term(f"{TERM}.{name}", size) for name, size in sizes.items()]
     return (*found, _term(DRIFT, 0.002))
 
 
 def _term(full: str, size: float) -> Candidate:
     parameter = Parameter(full, size, -50.0 * size, 50.0 * size)
     name = full if full == DRIFT else f"learned[{full.partition('.')[2]}]"
-    return Candidate(name, LEARNED, (parameter,), ({full: size}, {full: -size}), {})
+    return Candidate(name, TERM, (parameter,), ({full: size}, {full: -size}), {})
+
+
+def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
+    """Torques against rotation of any shape, alike on both sides or not: near upright, or as far as the swings go."""
+    size = 0.02 * block.p() ** 2 * block.alpha
+    reach = min(FURTHEST * max(abs(w.theta) for w in windows), 0.5 * math.pi)
+    shapes = (("near upright", NEAR_UPRIGHT, 4), ("smooth", 1.0, 4), ("fine", 1.0, 16))
+    found = []
+    for kind, names, sides in (("odd", ODD, "alike on both sides"), ("even", EVEN, "by side")):
+        for shape, share, n in shapes:
+            own = tuple(Parameter(f"{CURVE}.{name}", size, -50.0 * size, 50.0 * size) for name in names[: n + 1])
+            fixed = {f"{CURVE}.{kind}_reach": share * reach, f"{CURVE}.{kind}_intervals": float(n)}
+            found.append(Candidate(f"learned[curve {sides}, {shape}]", CURVE, own, (), fixed))
+    return tuple(found)
+
+
+def memories(block: DeclaredBlock) -> tuple[Candidate, ...]:
+    """A restitution that depends on the number of impacts before, or on how long ago the last one was."""
+    found = []
+    for label, depth, span, sizes in (
+        ("of the first impacts", "first", "first_impacts", (2.0, 8.0)),
+        ("after a short pause", "recent", "recent_time", (0.5 / block.p(), 1.5 / block.p())),
+    ):
+        d, w = f"{MEMORY}.{depth}", f"{MEMORY}.{span}"
+        low, high = 0.25 * sizes[0], 4.0 * sizes[1]
+        starts = tuple({d: size, w: width} for width in sizes for size in (0.01, -0.01))
+        own = (Parameter(d, 0.01, -0.5, 0.5), Parameter(w, 0.3, low, high, log=True))
+        found.append(Candidate(f"learned[restitution {label}]", MEMORY, own, starts, {}))
+    return tuple(found)
 
 
 def learn(simulator: Simulator, onto: Trial, tell: Callable[[str], None], rival: Trial | None = None) -> Trial:
@@ -68,12 +108,14 @@ def learn(simulator: Simulator, onto: Trial, tell: Callable[[str], None], rival:
     rival: what has to be reached; the search ends early where it plainly is not.
     """
     current = onto
-    pool = terms(onto.swing.model.declared)
+    declared = onto.swing.model.declared
+    pool = (*terms(declared), *profiles(declared, onto.swing.windows), *memories(declared))
     for count in range(MOST_TERMS):
         gained = onto.swing.chi2 - current.swing.chi2
         if rival is not None and count >= HOPELESS and gained < 0.5 * (onto.swing.chi2 - rival.swing.chi2):
             break
-        open_to_it = [c for c in pool if c.name not in current.names]
+        fitted = {p.name for p in current.parameters}
+        open_to_it = [c for c in pool if not fitted & {p.name for p in c.parameters}]
         tried = search(simulator, current, open_to_it, tell, repeated=True)
         best = tried.best
         if best is None or not pays(current.swing, best.swing):

@@ -26,7 +26,9 @@ Array = NDArray[np.float64]
 
 def jobs_of(windows: Sequence[Window], model: int, d_theta: float = 0.0, d_omega: float = 0.0) -> list[Job]:
     """Runs of one model over windows, from their states or from shifted ones [rad, rad/s]."""
-    return [Job(model, w.test, w.times, w.start, w.theta + d_theta, w.omega + d_omega, w.history) for w in windows]
+    return [
+        Job(model, w.test, w.times, w.start, w.theta + d_theta, w.omega + d_omega, w.history, w.struck) for w in windows
+    ]
 
 
 def observe(

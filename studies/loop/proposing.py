@@ -101,7 +101,7 @@ def _repeated(finding: Finding) -> str:
 
 def _question(finding: Finding) -> _Question | None:
     if finding.verdict == "unexplained":
-        learned = LEARNED in finding.chosen.effects
+        learned = any(name in LEARNED for name in finding.chosen.effects)
         other = "the model with what was learned" if learned else f"the one with {_named(finding.chosen.names)}"
         return _Question((finding.before, finding.after), f"the calibrated ideal block and {other}")
     if len(finding.rivals) > 1:

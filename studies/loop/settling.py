@@ -188,7 +188,7 @@ def _while_predictable(setup: Setup, trial: Trial, whole: Fit) -> list[Fit]:
         return []
     # Where a run takes long, either estimate alone is a start.
     ended = 1 if trial.costly else ENDED
-    named = [part for part in trial.parts if part.in_swings and part.effect != LEARNED and not trial.costly]
+    named = [part for part in trial.parts if part.in_swings and part.effect not in LEARNED and not trial.costly]
     about: list[LoopModel] = []
     if named:
         sure = sensor_covariance(setup.simulator, trial.swing)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from excitation import SampledMotion
 from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, TRANSLATION_JUMP, Base, Discrete
 from rocking.motion import BaseMotion, base_at, pitch_kernel
+from rocking.remembering import LONG_AGO, RememberingBlock
 from rocking.soft_floor import BlockOnSoftFloor
 from rocking.solvers.numba.windows import Start, run_windows
 from studies.campaigns import Test
@@ -65,6 +66,16 @@ class Peak(NamedTuple):
     omega: float
 
 
+class Struck(NamedTuple):
+    """Impacts of a record before some time: how many, and how long ago the last one was [s]."""
+
+    impacts: int
+    pause: float
+
+
+NEVER = Struck(0, LONG_AGO)
+
+
 @dataclass(frozen=True)
 class Job:
     """One run: which model on which test, over which times, from which rotation and speed."""
@@ -76,6 +87,7 @@ class Job:
     theta: float = 0.0  # true rotation at the start [rad]
     omega: float = 0.0  # [rad/s]
     history: tuple[Peak, ...] = ()  # peaks before the start, which say how fast the block slips there
+    struck: Struck = NEVER  # impacts before the start
 
 
 @dataclass(frozen=True)
@@ -178,7 +190,7 @@ class Simulator:
         return self._run(models, jobs, self._carried(models, jobs))
 
     def _carried(self, models: Sequence[LoopModel], jobs: Sequence[Job]) -> list[dict[str, Any]]:
-        """What a rotation does not show of the state at the start of each job: slip and height of the corner.
+        """What a rotation does not show of the state at the start of each job: slip and height of the corner, impacts.
 
         A block that slips forgets how fast it did: it is run from peak to peak of the record, each time from the
         rotation that was measured there, and what the run says of the rest is carried over.  One that bounces on a
@@ -197,7 +209,11 @@ class Simulator:
                 runs.append(Job(model, test, np.array([stop]), peak.time, peak.theta, peak.omega))
             for key, answer in zip(now, self._run(models, runs, [known[key] for key in now]), strict=True):
                 known[key] = _beside_rotation(models[key[0]].system, answer)
-        return [known.get(key, {}) for key in keys]
+        remembers = [isinstance(model.system, RememberingBlock) for model in models]
+        return [
+            job.struck._asdict() if remembers[job.model] else known.get(key, {})
+            for job, key in zip(jobs, keys, strict=True)
+        ]
 
     def _run(self, models: Sequence[LoopModel], jobs: Sequence[Job], carried: Sequence[dict[str, Any]]) -> list[Answer]:
         systems = [model.system for model in models]

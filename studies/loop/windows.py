@@ -21,7 +21,7 @@ from studies.campaigns import Channel, Test
 from studies.campaigns.clipping import before_overturning, clipped
 from studies.campaigns.smoothing import state
 from studies.campaigns.swings import Segmentation, segment
-from studies.loop.simulation import HISTORY, Peak
+from studies.loop.simulation import HISTORY, NEVER, Peak, Struck
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -80,6 +80,7 @@ class Window:
     sides: NDArray[np.int64] | None = None  # at the times; accelerometers are compared where the model is on this side
     history: tuple[Peak, ...] = ()  # the peaks right before the start, from which slip is carried over
     seen: Peak | None = None  # the state at the start as the record alone shows it
+    struck: Struck = NEVER  # the impacts before the start
 
     @property
     def weights(self) -> Array:
@@ -124,9 +125,11 @@ def cut(record: Record, number: int, start: float, stop: float, **state: Any) ->
     noise = record.noises[:, index].ravel()[there]
     sd = None if record.felt is None else np.hypot(noise, record.felt[:, index].ravel()[there])
     sides = None if record.sides is None else record.sides[index]
+    before = [impact.time for impact in record.found.impacts if impact.time < start]
+    struck = Struck(len(before), start - before[-1]) if before else NEVER
     return Window(
         number, record.test, start, np.ascontiguousarray(record.time[index]), index, record.channels, there,
-        observed[there], noise, **state, sd=sd, sides=sides,
+        observed[there], noise, **state, sd=sd, sides=sides, struck=struck,
     )  # fmt: skip
 
 

@@ -20,7 +20,7 @@ from rocking import G_STANDARD
 from studies.campaigns import DeclaredBlock
 from studies.loop.candidates import Candidate
 from studies.loop.fitting import Parameter
-from studies.loop.learning import LEARNED
+from studies.loop.learning import TERM
 from studies.loop.model import DRIFT, RESTITUTION
 
 Array = NDArray[np.float64]
@@ -130,9 +130,9 @@ def terms(block: DeclaredBlock) -> tuple[Form, ...]:
         "restitution_side": 0.1,
         "restitution_square": 0.2 / omega**2,
     }
-    found = [_term(f"learned[{name}]", f"{LEARNED}.{name}", size) for name, size in sizes.items()]
+    found = [_term(f"learned[{name}]", f"{TERM}.{name}", size) for name, size in sizes.items()]
     return (*found, _term(DRIFT, DRIFT, 2e-3))
 
 
 def _term(name: str, full: str, size: float) -> Form:
-    return Form(Candidate(name, LEARNED, (ranged(full, -size, size),), ({full: 0.0},), {}))
+    return Form(Candidate(name, TERM, (ranged(full, -size, size),), ({full: 0.0},), {}))

@@ -21,6 +21,7 @@ from scipy.stats import qmc
 
 from studies.loop.candidates import Candidate
 from studies.loop.fitting import Parameter
+from studies.loop.learning import LEARNED
 from studies.loop.model import RESTITUTION, LoopModel
 from studies.loop.outcomes.candidates import Form, restitution
 from studies.loop.outcomes.likelihood import Array, Bools, Noise, best_over_draws, probability, score
@@ -204,7 +205,7 @@ def traced(search: Search, onto: Tried, pool: Sequence[Form]) -> Round:
     costs = {}
     for number, form in enumerate(pool, 1):
         name = form.candidate.name
-        if name in onto.names or (form.candidate.effect in onto.effects and form.candidate.effect != "learned_term"):
+        if name in onto.names or (form.candidate.effect in onto.effects and form.candidate.effect not in LEARNED):
             continue
         search.tell(f"round {len(onto.parts) + 1}: trying {name} ({number} of {len(pool)})")
         try:

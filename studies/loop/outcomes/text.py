@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from studies.loop.learning import LEARNED
 from studies.loop.names import page, readable
 from studies.loop.outcomes.search import FINAL
 from studies.loop.report.text import effect_words, listed, number
@@ -44,7 +45,7 @@ def verdict(content: Content) -> str:
     """The finding in one sentence."""
     if content["verdict"] == "none":
         return f"Nothing is missing that these outcomes can show: for the calibrated ideal block, {falls(content)}."
-    names = list(dict.fromkeys(n for n in content["effects"] if n != "learned_term"))
+    names = list(dict.fromkeys(n for n in content["effects"] if n not in LEARNED))
     found = listed([effect_words(content, name) for name in names])
     if content["verdict"] == "unexplained":
         with_it = f" on top of {found}" if names else ""
@@ -68,7 +69,7 @@ def concluded(content: Content) -> list[str]:
     if content["verdict"] == "none":
         return ["No effect that was tried explains these outcomes better than chance would, with all that were tried."]
     said = ["The gain is that over the calibrated block, on motions that neither the fit nor the choice saw."]
-    names = [page(n).title.lower() for n in dict.fromkeys(content["effects"]) if n != "learned_term"]
+    names = [page(n).title.lower() for n in dict.fromkeys(content["effects"]) if n not in LEARNED]
     if names:
         said.insert(0, f"Who falls is described far better by a block with {listed(names)} than by the ideal one.")
     if content["verdict"] == "unexplained":

@@ -1,0 +1,137 @@
+"""A block whose impacts remember those before: Method 1 with effects, with two more states.
+
+    impacts  how many there have been since the start
+    pause    time since the last one [s]; long before the first one
+
+    e += first exp(-impacts / first_impacts) + recent exp(-pause / recent_time)
+
+Source   own, a plain description of surfaces that bed in within a test, or that take time to recover after an impact.
+Status   Method 1 with effects where both are zero, and by hand from impact to impact (tests).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+from rocking.composed import IMPACT, ComposedMethod1, balance, guards, jump_with
+from rocking.composed import flow as composed_flow
+from rocking.hybrid import Anchor, Base, Discrete
+from rocking.validation import positive, within
+
+LONG_AGO = 1e6
+"""Time since the last impact [s] of a block that has had none."""
+
+
+class Parameters(NamedTuple):
+    """Those of `rocking.composed`, and of what is remembered."""
+
+    a: float
+    r: float
+    o: float
+    H: float
+    rho2: float
+    g: float
+    hold: float
+    e_right: float
+    e_left: float
+    omega_rest: float
+    balance_right: float
+    balance_left: float
+    first: float  # [1]
+    first_impacts: float  # [1]
+    recent: float  # [1]
+    recent_time: float  # [s]
+    hooks: Any
+
+
+def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Any) -> tuple[Any, ...]:
+    """(omega, theta'', 0, 1)."""
+    omega, acceleration = composed_flow(xp, y, q, base, par)
+    return omega, acceleration, 0.0 * y[2], 1.0 + 0.0 * y[3]
+
+
+def jump(xp: Any, y: Any, q: Discrete, base: Base, par: Any, k: Any) -> tuple[tuple[Any, ...], Discrete]:
+    """Those of `rocking.composed`; an impact is counted, and the time since it begins."""
+    impact = k == IMPACT
+    more = par.first * xp.exp(-y[2] / par.first_impacts) + par.recent * xp.exp(-y[3] / par.recent_time)
+    (theta, omega), after = jump_with(xp, y, q, base, par, k, more)
+    return (theta, omega, xp.where(impact, y[2] + 1.0, y[2]), xp.where(impact, 0.0, y[3])), after
+
+
+@dataclass(frozen=True)
+class RememberingBlock:
+    """A block whose restitution depends on the impacts before; made by `rocking.effects.learned_memory`.
+
+    Args:
+        plain: the block without memory, with its form and hooks.
+        first: what the restitution of the first impact has more [1].
+        first_impacts: after so many impacts this has fallen to 1/e [1], positive.
+        recent: what the restitution of an impact right after another one has more [1].
+        recent_time: after so long a pause this has fallen to 1/e [s], positive.
+
+    Raises:
+        ValueError: a number is out of its range.
+    """
+
+    plain: ComposedMethod1
+    first: float
+    first_impacts: float
+    recent: float
+    recent_time: float
+
+    name = "method1"
+    state_names = ("theta", "omega", "impacts", "pause")
+    guard_names = ("fall", "impact", "tip_right", "tip_left")
+    carries_pitch = True
+    inadmissible_reason = ""
+    flow = staticmethod(flow)
+    guards = staticmethod(guards)
+    jump = staticmethod(jump)
+    balance = staticmethod(balance)
+
+    def __post_init__(self) -> None:
+        within("first", self.first, -1.0, 1.0)
+        within("recent", self.recent, -1.0, 1.0)
+        positive("first_impacts", self.first_impacts, "1")
+        positive("recent_time", self.recent_time, "s")
+
+    @property
+    def block(self) -> Any:
+        """The ideal block."""
+        return self.plain.block
+
+    @property
+    def g(self) -> float:
+        """Acceleration of gravity [m/s^2]."""
+        return self.plain.g
+
+    @property
+    def effects(self) -> tuple[Any, ...]:
+        """What was composed."""
+        return self.plain.effects
+
+    @property
+    def theta_c(self) -> float:
+        """The smaller of the two tilts of unstable balance [rad]."""
+        return self.plain.theta_c
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """The numbers that the equations take."""
+        return Parameters(
+            **self.plain.parameters._asdict(), first=float(self.first), first_impacts=float(self.first_impacts),
+            recent=float(self.recent), recent_time=float(self.recent_time),
+        )  # fmt: skip
+
+    def initial_state(
+        self, theta: float = 0.0, omega: float = 0.0, impacts: float = 0.0, pause: float = LONG_AGO
+    ) -> tuple[tuple[float, ...], Discrete]:
+        """At rest if upright and still, else rocking on the edge that carries; after so many impacts and so long."""
+        y, q = self.plain.initial_state(theta, omega)
+        return (*y, float(impacts), float(pause)), q
+
+    def anchor(self, y: Any, rate: Any, s: Any) -> Anchor:
+        """The centre of the edge on which the block rolls."""
+        return self.plain.anchor(y, rate, s)

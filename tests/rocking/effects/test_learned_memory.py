@@ -1,0 +1,84 @@
+"""Impacts that remember those before, by hand from impact to impact (rocking.remembering)."""
+
+import math
+
+import numpy as np
+import pytest
+
+from excitation import PiecewiseLinear
+from rocking import Block, Method1, solve
+from rocking.composed import IMPACT
+from rocking.effects import compose, load
+from rocking.hybrid import ROTATION
+from rocking.remembering import LONG_AGO
+
+BLOCK = Block(b=0.2, h=0.8)
+E = 0.9
+MEMORY = {"first": -0.06, "first_impacts": 3.0, "recent": -0.04, "recent_time": 0.25}
+
+
+def ratios(run):
+    """(time, omega after over omega before) of the impacts of a run."""
+    column, hits = run.system.state_names.index("omega"), run.events.guard == IMPACT
+    events = run.events
+    hits &= events.mode_after == ROTATION  # after the last one it rests
+    return list(zip(events.t[hits], events.y_after[hits, column] / events.y_before[hits, column], strict=True))
+
+
+@pytest.mark.parametrize("solver", ["numba", "scipy"])
+def test_each_impact_has_the_restitution_of_the_formula(solver: str) -> None:
+    effect = load("learned_memory")(**MEMORY)
+    run = solve(Method1(BLOCK, restitution=E), theta=0.2, t_end=4.0, effects=[effect], solver=solver)
+    seen, last = ratios(run), -LONG_AGO
+    assert len(seen) > 8
+    for n, (t, ratio) in enumerate(seen):
+        more = MEMORY["first"] * math.exp(-n / 3.0) + MEMORY["recent"] * math.exp(-(t - last) / 0.25)
+        assert ratio == pytest.approx(E + more, abs=1e-9)
+        last = t
+
+
+def test_memory_counts_impacts_and_time_through_rest() -> None:
+    """A block that stands, is shaken and rocks: no impact before, and after each one the time since it."""
+    system = compose(Method1(BLOCK, restitution=E), [load("learned_memory")(**MEMORY)])
+    motion = PiecewiseLinear(0.1, [0.0, 5.0, -5.0, 0.0, 0.0])
+    run = solve(system, motion, t_end=3.0, save_at=[0.0, 0.04, 3.0])
+    impacts, pause = run.system.state_names.index("impacts"), run.system.state_names.index("pause")
+    assert run.y[:2, impacts].tolist() == [0.0, 0.0]
+    assert run.y[1, pause] == pytest.approx(LONG_AGO + 0.04)
+    assert run.y[2, impacts] == len(run.impact_times) > 2
+    assert run.y[2, pause] == pytest.approx(3.0 - run.impact_times[-1], abs=1e-9)
+
+
+def test_without_depth_it_is_the_block_without_memory() -> None:
+    damped = load("viscous_damping")(coefficient=0.2)
+    times = np.linspace(0.0, 3.0, 31)
+    plain = solve(Method1(BLOCK, restitution=E), theta=0.2, t_end=3.0, effects=[damped], save_at=times)
+    both = [damped, load("learned_memory")(first_impacts=2.0)]
+    other = solve(Method1(BLOCK, restitution=E), theta=0.2, t_end=3.0, effects=both, save_at=times)
+    np.testing.assert_allclose(other.theta, plain.theta, rtol=0.0, atol=1e-8)
+
+
+def test_a_window_begins_with_the_impacts_before_it() -> None:
+    """Cut off after the third impact and begun again with what is remembered, a run goes on as it was."""
+    system = compose(Method1(BLOCK, restitution=E), [load("learned_memory")(**MEMORY)])
+    whole = solve(system, theta=0.2, t_end=3.0, save_at=[3.0])
+    hits = ratios(whole)
+    start = 0.5 * (hits[2][0] + hits[3][0])
+    at = solve(system, theta=0.2, t_end=start, save_at=[start]).y[0]
+    y, q = system.initial_state(at[0], at[1], impacts=3.0, pause=start - hits[2][0])
+    np.testing.assert_allclose(y, at, rtol=0.0, atol=1e-8)
+    assert q.s == math.copysign(1.0, at[0])
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"first": 1.5}, r"learned_memory.first=1.5 1: want -1 to 1"),
+        ({"recent_time": 0.0}, r"learned_memory.recent_time=0.0 s: want 0.0001 to 10000"),
+    ],
+)
+def test_what_is_no_memory_is_refused(given, message) -> None:
+    with pytest.raises(ValueError, match=message):
+        load("learned_memory")(**given)
+    with pytest.raises(ValueError, match="does not go together with"):
+        compose(Method1(BLOCK), [load("learned_memory")(first=0.1), load("compliant_base")(corner_stiffness=1e6)])
