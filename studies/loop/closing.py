@@ -271,7 +271,8 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
         routes.append(learn(setup.simulator, named, tell))
     best = min(routes, key=lambda t: bic(t.swing))
     learned = any(part.effect in LEARNED for part in best.parts)
-    if not learned or bic(best.swing) > bic(named.swing) - (PAYS if structured else 0.0):
+    # Some coefficients are effects with a name: where both leave nothing, the name is the better answer.
+    if not learned or bic(best.swing) > bic(named.swing) - PAYS:
         if _over_noise(setup, named) > _unexplained(setup):
             return named, "unexplained"
         return named, "effect" if named.parts else "none"

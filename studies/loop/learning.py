@@ -27,6 +27,9 @@ from studies.loop.windows import Window
 LEAST_GAIN = 0.03
 """Share by which the rms of the swings has to fall for one more coefficient."""
 
+LEAST_LEFT = 0.98
+"""Rms of the swings over what pure noise leaves of them that no term brings them below: two standard deviations."""
+
 MOST_TERMS = 4
 
 HOPELESS = 2
@@ -70,7 +73,7 @@ def terms(block: DeclaredBlock) -> tuple[Candidate, ...]:
 def _term(full: str, size: float) -> Candidate:
     parameter = Parameter(full, size, -50.0 * size, 50.0 * size)
     name = full if full == DRIFT else f"learned[{full.partition('.')[2]}]"
-    return Candidate(name, TERM, (parameter,), ({full: size}, {full: -size}), {})
+    return Candidate(name, TERM, (parameter,), (), {})  # it enters linearly: nothing is start enough
 
 
 def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
@@ -109,10 +112,14 @@ def learn(simulator: Simulator, onto: Trial, tell: Callable[[str], None], rival:
     """
     current = onto
     declared = onto.swing.model.declared
+    swings = onto.swing
+    noise = math.sqrt(max(1.0 - (2 * len(swings.windows) + len(swings.parameters)) / max(swings.samples, 1), 0.0))
     pool = (*terms(declared), *profiles(declared, onto.swing.windows), *memories(declared))
     for count in range(MOST_TERMS):
         gained = onto.swing.chi2 - current.swing.chi2
         if rival is not None and count >= HOPELESS and gained < 0.5 * (onto.swing.chi2 - rival.swing.chi2):
+            break
+        if current.swing.rms * (1.0 - LEAST_GAIN) < LEAST_LEFT * noise:
             break
         fitted = {p.name for p in current.parameters}
         open_to_it = [c for c in pool if not fitted & {p.name for p in c.parameters}]
