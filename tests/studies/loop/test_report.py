@@ -147,6 +147,37 @@ def test_unexplained_with_a_learned_term(tmp_path):
     assert "None is proposed" in seen.text["next"]
 
 
+def retold(values, covariance):
+    """The tilt's finding with other parameters in its model, of which the covariance is given."""
+    finding = found.tilted()
+    names = tuple(name for name in values if "reach" not in name and "intervals" not in name)
+    whole = dataclasses.replace(finding.settled.whole, model=finding.after.changed(values))
+    return dataclasses.replace(
+        finding, settled=dataclasses.replace(finding.settled, names=names, covariance=covariance, whole=whole)
+    )
+
+
+def test_a_learned_curve_is_drawn_on_both_sides():
+    # Two intervals with all coefficients alike: constant, but for the side.
+    values = {"learned_curve.odd_reach": 0.1, "learned_curve.odd_intervals": 2.0}
+    values |= {f"learned_curve.odd_{j}": 0.3 for j in range(3)}
+    [curve] = retold(values, 0.01 * np.eye(3)).learned
+    np.testing.assert_allclose(curve.y, 0.3 * np.sign(curve.x), rtol=1e-12)
+    ends = np.abs(curve.x) >= 0.1
+    assert ends.any()
+    np.testing.assert_allclose(curve.high[ends] - curve.low[ends], 2.0 * 1.96 * 0.1, rtol=1e-12)
+
+
+def test_a_learned_memory_is_drawn_with_a_band_of_both_its_parameters():
+    values = {"learned_memory.recent": -0.05, "learned_memory.recent_time": 0.2}
+    covariance = np.array([[1e-6, 2e-6], [2e-6, 1e-4]])
+    [curve] = retold(values, covariance).learned
+    np.testing.assert_allclose(curve.y, -0.05 * np.exp(-curve.x / 0.2), rtol=1e-12)
+    draws = np.random.default_rng(0).multivariate_normal((-0.05, 0.2), covariance, 20000)
+    drawn = draws[:, :1] * np.exp(-curve.x / draws[:, 1:])
+    np.testing.assert_allclose((curve.high - curve.low) / (2.0 * 1.96), drawn.std(axis=0), rtol=0.05, atol=1e-6)
+
+
 @pytest.mark.parametrize("name", available())
 def test_every_effect_has_a_page(name):
     about = page(name)
