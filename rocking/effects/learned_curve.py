@@ -16,7 +16,7 @@ Status      against SciPy's natural splines, and the absent value (tests)
 from __future__ import annotations
 
 import math
-from dataclasses import make_dataclass
+from dataclasses import fields, make_dataclass
 from typing import Any, ClassVar
 
 from rocking.effect import Effect
@@ -89,6 +89,10 @@ class LearnedCurve(_Coefficients):
                         f"learned_curve.{name}={getattr(self, name)!r} rad/s^2: want none beyond {kind}_{int(n)}, the "
                         f"last of {int(n)} intervals"
                     )
+
+    def __repr__(self) -> str:
+        given = [(f.name, getattr(self, f.name)) for f in fields(self) if getattr(self, f.name) != f.default]
+        return f"LearnedCurve({', '.join(f'{name}={value!r}' for name, value in given)})"
 
     def values(self, form: Form) -> tuple[float, ...]:
         """The numbers of both curves."""

@@ -18,7 +18,7 @@ from studies.loop.candidates import Candidate
 from studies.loop.fitting import Fit
 from studies.loop.keeping import Keeper
 from studies.loop.learned_curves import Curve, curves
-from studies.loop.learning import LEARNED, learn
+from studies.loop.learning import LEARNED, learn, memories
 from studies.loop.model import LoopModel
 from studies.loop.preparing import Setup, prepare
 from studies.loop.rivals import Rival, near, twins
@@ -262,6 +262,9 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
     """The trial to keep: the named effects if they leave nothing, else with what was learned of the rest."""
     structured = _over_noise(setup, named) > _structure(setup)
     if not structured and len(named.parts) < 2:
+        remembering = _remembering(setup, plain, named, tell)
+        if remembering is not None:
+            return remembering, "unexplained"
         return named, "effect" if named.parts else "none"
     tell("learning what no effect explains")
     # Effects may stand for something unnamed, several of them above all: learning starts from the calibrated block too.
@@ -279,6 +282,19 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
     if bic(routes[0].swing) < bic(best.swing) + PAYS:
         best = routes[0]
     return best, "unexplained"
+
+
+def _remembering(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> Trial | None:
+    """A restitution that remembers impacts, where it explains swings far better than the one effect that was found.
+
+    In free decays speeds and pauses fall together, so that a loss that depends on the one looks much like one that
+    depends on the other, or on the number of the impact.
+    """
+    if not named.parts or named.costly or _slips(named) or not setup.by_rotation:
+        return None
+    tell("asking whether impacts remember")
+    best = search(setup.simulator, plain, memories(plain.swing.model.declared), tell).best
+    return best if best is not None and bic(best.swing) < bic(named.swing) - PAYS else None
 
 
 def _of_whole_records(

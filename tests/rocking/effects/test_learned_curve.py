@@ -7,6 +7,7 @@ import pytest
 from scipy.interpolate import make_interp_spline
 
 from rocking import Block, Method1, solve
+from rocking.effects import load
 from rocking.effects.learned_curve import COUNT, EVEN, MOST, ODD, LearnedCurve, curve, numbers, torque
 from rocking.form import Form
 from rocking.hybrid import Base
@@ -47,8 +48,6 @@ def test_a_straight_odd_curve_is_a_spring() -> None:
     block, k = Block(b=0.2, h=0.8), 0.7
     line = {name: -k * j / MOST * 0.2 for j, name in enumerate(ODD)}
     system = Method1(block)
-    from rocking.effects import load
-
     one = solve(system, theta=0.15, t_end=2.0, effects=[LearnedCurve(odd_reach=0.2, **line)], save_at=[0.5, 1.0, 2.0])
     other = solve(system, theta=0.15, t_end=2.0, effects=[load("learned_term")(spring=-k)], save_at=[0.5, 1.0, 2.0])
     np.testing.assert_allclose(one.theta, other.theta, rtol=0.0, atol=1e-8)
@@ -67,3 +66,8 @@ def test_a_straight_odd_curve_is_a_spring() -> None:
 def test_what_is_no_curve_is_refused(given: dict[str, float], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         LearnedCurve(**given)
+
+
+def test_a_curve_tells_the_parameters_that_are_given() -> None:
+    assert repr(LearnedCurve(odd_reach=0.2, odd_3=-0.5)) == "LearnedCurve(odd_reach=0.2, odd_3=-0.5)"
+    assert repr(LearnedCurve()) == "LearnedCurve()"

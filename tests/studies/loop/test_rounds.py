@@ -227,3 +227,34 @@ def test_whole_records_that_are_missed_are_said(verdict, rms, ends, said):
     assert found == ends and len(notes) == bool(said) and said in "".join(notes)
     _, notes = closing._of_whole_records(SimpleNamespace(by_rotation=True), TILT, verdict, whole(*rms), "tilt")
     assert "settle on tilt" in notes[0]
+
+
+def explained_trial(chi2, *effects):
+    parts = tuple(SimpleNamespace(effect=effect, slips=False, costly=False) for effect in effects)
+    swing = SimpleNamespace(chi2=chi2, parameters=effects, samples=10_000, model=SimpleNamespace(declared=None))
+    return SimpleNamespace(names=effects, parts=parts, swing=swing, costly=False)
+
+
+@pytest.mark.parametrize(
+    ("named", "better", "ends"),
+    [
+        # A coefficient may be an effect with a name: a tie is the name's, though the term has a parameter less.
+        (("rounded_edges", "viscous_damping"), 40.0, "effect"),
+        (("rounded_edges", "viscous_damping"), 80.0, "unexplained"),
+        # Speeds and pauses fall together in a decay: one that explains far more is the better answer.
+        (("velocity_dependent_restitution",), 40.0, "effect"),
+        (("velocity_dependent_restitution",), 250.0, "unexplained"),
+    ],
+)
+def test_what_was_learned_takes_the_place_of_names_where_it_explains_far_more(monkeypatch, named, better, ends):
+    plain, found = explained_trial(20_000.0), explained_trial(9_000.0, *named)
+    other = explained_trial(9_000.0 - better, "learned_memory")
+    monkeypatch.setattr(closing, "_over_noise", lambda setup, trial: 1.0)
+    monkeypatch.setattr(closing, "_structure", lambda setup: 1.03)
+    monkeypatch.setattr(closing, "memories", lambda block: ())
+    monkeypatch.setattr(closing, "search", lambda *_: SimpleNamespace(best=other))
+    monkeypatch.setattr(closing, "learn", lambda simulator, onto, tell, rival=None: other if onto is plain else onto)
+    setup = SimpleNamespace(by_rotation=True, simulator=None)
+    chosen, verdict = closing._explained(setup, plain, found, lambda text: None)
+    assert verdict == ends
+    assert chosen is (found if ends == "effect" else other)
