@@ -1,7 +1,7 @@
 """A block whose impacts remember those before: Method 1 with effects, with two more states.
 
-    impacts  how many there have been since the start
-    pause    time since the last one [s]; long before the first one
+    impacts  how many there have been since the start that were faster than least_speed
+    pause    time since the last one of these [s]; long before the first one
 
     e += first exp(-impacts / first_impacts) + recent exp(-pause / recent_time)
 
@@ -11,6 +11,7 @@ Status   Method 1 with effects where both are zero, and by hand from impact to i
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -43,6 +44,7 @@ class Parameters(NamedTuple):
     first_impacts: float  # [1]
     recent: float  # [1]
     recent_time: float  # [s]
+    least_speed: float  # [rad/s]
     hooks: Any
 
 
@@ -53,11 +55,11 @@ def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Any) -> tuple[Any, ...]:
 
 
 def jump(xp: Any, y: Any, q: Discrete, base: Base, par: Any, k: Any) -> tuple[tuple[Any, ...], Discrete]:
-    """Those of `rocking.composed`; an impact is counted, and the time since it begins."""
-    impact = k == IMPACT
+    """Those of `rocking.composed`; an impact that is fast enough is counted, and the time since it begins."""
+    struck = (k == IMPACT) & (xp.abs(y[1]) > par.least_speed)
     more = par.first * xp.exp(-y[2] / par.first_impacts) + par.recent * xp.exp(-y[3] / par.recent_time)
     (theta, omega), after = jump_with(xp, y, q, base, par, k, more)
-    return (theta, omega, xp.where(impact, y[2] + 1.0, y[2]), xp.where(impact, 0.0, y[3])), after
+    return (theta, omega, xp.where(struck, y[2] + 1.0, y[2]), xp.where(struck, 0.0, y[3])), after
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,8 @@ class RememberingBlock:
         first_impacts: after so many impacts this has fallen to 1/e [1], positive.
         recent: what the restitution of an impact right after another one has more [1].
         recent_time: after so long a pause this has fallen to 1/e [s], positive.
+        least_speed: impacts that are not faster are not remembered [rad/s], 0 or more: a base that hardly moves makes
+            hundreds that leave no trace.
 
     Raises:
         ValueError: a number is out of its range.
@@ -80,6 +84,7 @@ class RememberingBlock:
     first_impacts: float
     recent: float
     recent_time: float
+    least_speed: float = 0.0
 
     name = "method1"
     state_names = ("theta", "omega", "impacts", "pause")
@@ -96,6 +101,7 @@ class RememberingBlock:
         within("recent", self.recent, -1.0, 1.0)
         positive("first_impacts", self.first_impacts, "1")
         positive("recent_time", self.recent_time, "s")
+        within("least_speed", self.least_speed, 0.0, math.inf)
 
     @property
     def block(self) -> Any:
@@ -122,7 +128,7 @@ class RememberingBlock:
         """The numbers that the equations take."""
         return Parameters(
             **self.plain.parameters._asdict(), first=float(self.first), first_impacts=float(self.first_impacts),
-            recent=float(self.recent), recent_time=float(self.recent_time),
+            recent=float(self.recent), recent_time=float(self.recent_time), least_speed=float(self.least_speed),
         )  # fmt: skip
 
     def initial_state(

@@ -66,7 +66,7 @@ def checked_precision(precision: str, device: Any) -> Any:
         raise ValueError(f"precision={precision!r}: want one of {', '.join(PRECISIONS)}")
     if device is None and precision != "float64":
         raise ValueError(
-            f"precision={precision!r}: the compiled code of the CPU knows float64 alone; want device='gpu'"
+            f"precision={precision!r}: the compiled code of the CPU knows float64 alone; want device='gpu' or 'jax-cpu'"
         )
     return device
 

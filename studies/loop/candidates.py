@@ -39,15 +39,15 @@ class Candidate:
     costly: bool = False  # whether a run takes tens of times as long as that of a rigid block: fewer rivals are tried
     scouts: tuple[str, ...] = ()  # parameters fitted from each start, the others from the best few alone; all if empty
 
-    @property
-    def nothing(self) -> dict[str, float]:
-        """Its own parameters at zero: absent, for those of a learned term."""
-        return {p.name: 0.0 for p in self.parameters}
+    def nothing(self, block: DeclaredBlock) -> dict[str, float]:
+        """Its own parameters at their absent values: what adds nothing where the effect is there in another form."""
+        absent = self.absent(block)
+        return {p.name: absent[p.name] for p in self.parameters} | dict(self.fixed)
 
     def absent(self, block: DeclaredBlock) -> dict[str, float]:
         """Full names and values of the parameters at which it is not there."""
         if all("." not in p.name for p in self.parameters):
-            return self.nothing
+            return {p.name: 0.0 for p in self.parameters}
         values = load(self.effect).absent(_block(block))
         return {f"{self.effect}.{name}": value for name, value in values.items()} | dict(self.fixed)
 

@@ -293,7 +293,7 @@ def _remembering(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> Trial 
     if not named.parts or named.costly or _slips(named) or not setup.by_rotation:
         return None
     tell("asking whether impacts remember")
-    best = search(setup.simulator, plain, memories(plain.swing.model.declared), tell).best
+    best = search(setup.simulator, plain, memories(plain.swing.model.declared, plain.swing.windows), tell).best
     return best if best is not None and bic(best.swing) < bic(named.swing) - PAYS else None
 
 

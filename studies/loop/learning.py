@@ -17,6 +17,7 @@ import numpy as np
 
 from rocking.effects.learned_curve import EVEN, ODD
 from studies.campaigns import DeclaredBlock
+from studies.campaigns.swings import OPEN
 from studies.loop.candidates import Candidate
 from studies.loop.fitting import Parameter
 from studies.loop.model import DRIFT
@@ -90,8 +91,13 @@ def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
     return tuple(found)
 
 
-def memories(block: DeclaredBlock) -> tuple[Candidate, ...]:
-    """A restitution that depends on the number of impacts before, or on how long ago the last one was."""
+def memories(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
+    """A restitution that depends on the number of impacts before, or on how long ago the last one was.
+
+    Those count that end a swing, as in a record: smaller ones are not seen there, and may be hundreds in a run.
+    """
+    noise = max((float(w.noise.max()) for w in windows if not w.accelerometers), default=0.0)
+    speed = {f"{MEMORY}.least_speed": block.p() * math.sqrt(2.0 * block.alpha * OPEN * noise)}
     found = []
     for label, depth, span, sizes in (
         ("of the first impacts", "first", "first_impacts", (2.0, 8.0)),
@@ -101,7 +107,7 @@ def memories(block: DeclaredBlock) -> tuple[Candidate, ...]:
         low, high = 0.25 * sizes[0], 4.0 * sizes[1]
         starts = tuple({d: size, w: width} for width in sizes for size in (0.01, -0.01))
         own = (Parameter(d, 0.01, -0.5, 0.5), Parameter(w, 0.3, low, high, log=True))
-        found.append(Candidate(f"learned[restitution {label}]", MEMORY, own, starts, {}))
+        found.append(Candidate(f"learned[restitution {label}]", MEMORY, own, starts, speed))
     return tuple(found)
 
 
@@ -114,7 +120,7 @@ def learn(simulator: Simulator, onto: Trial, tell: Callable[[str], None], rival:
     declared = onto.swing.model.declared
     swings = onto.swing
     noise = math.sqrt(max(1.0 - (2 * len(swings.windows) + len(swings.parameters)) / max(swings.samples, 1), 0.0))
-    pool = (*terms(declared), *profiles(declared, onto.swing.windows), *memories(declared))
+    pool = (*terms(declared), *profiles(declared, onto.swing.windows), *memories(declared, onto.swing.windows))
     for count in range(MOST_TERMS):
         gained = onto.swing.chi2 - current.swing.chi2
         if rival is not None and count >= HOPELESS and gained < 0.5 * (onto.swing.chi2 - rival.swing.chi2):

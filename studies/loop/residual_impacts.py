@@ -17,9 +17,9 @@ from rocking.hybrid import REST, ROTATION, Base, Discrete
 from rocking.motion import base_at
 from studies.campaigns.swings import OPEN
 from studies.loop.model import LoopModel
-from studies.loop.residual_torque import affine, with_numpy
+from studies.loop.residual_torque import affine, rocks_alone, with_numpy
 from studies.loop.simulation import Simulator
-from studies.loop.windows import Record
+from studies.loop.windows import Record, struck_before
 
 Array = NDArray[np.float64]
 
@@ -33,6 +33,8 @@ class Impacts:
     omega: Array  # angular velocity before, as read [rad/s]
     restitution: Array  # after over before, eq. (4) [1]
     sd: Array  # of the restitution [1]
+    number: Array  # impacts of the record before it [1]
+    pause: Array  # time since the last one of these [s]
 
 
 def impacts(record: Record) -> Impacts:
@@ -42,22 +44,23 @@ def impacts(record: Record) -> Impacts:
         e, sd = impact.restitution
         side = record.found.swings[impact.swing].side
         if math.isfinite(e) and math.isfinite(sd) and abs(impact.before) > 3.0 * impact.before_sd:
-            rows.append((impact.time, side, impact.before, e, sd))
-    columns = np.array(rows, dtype=np.float64).reshape(-1, 5).T
-    return Impacts(columns[0], columns[1].astype(np.int64), columns[2], columns[3], columns[4])
+            rows.append((impact.time, side, impact.before, e, sd, *struck_before(record, impact.time)))
+    columns = np.array(rows, dtype=np.float64).reshape(-1, 7).T
+    return Impacts(columns[0], columns[1].astype(np.int64), *columns[2:])
 
 
 def modelled_restitution(model: LoopModel, simulator: Simulator, test: int, seen: Impacts) -> Array:
     """Restitution of the model [1] at the measured impacts; NaN where it has none or comes to rest."""
     system = model.in_test(simulator.numbers[test]).system
-    if tuple(system.state_names) != ("theta", "omega") or not seen.time.size:
+    if not rocks_alone(system) or not seen.time.size:
         return np.full(seen.time.shape, np.nan)
     motion = model.base(simulator.bases[test], simulator.spans[test])
     base = Base(*(v + np.zeros(seen.time.shape) for v in base_at(np, motion, seen.time, np.asarray(motion.parameters))))
     omega = seen.omega / affine(model)[1]
     q = Discrete(np.full(omega.shape, ROTATION), seen.side.astype(np.float64), np.ones(omega.shape))
     k = system.guard_names.index("impact")
-    (_, after), then = system.jump(np, (np.zeros(omega.shape), omega), q, base, with_numpy(system.parameters), k)
+    y = (np.zeros(omega.shape), omega, seen.number, seen.pause)[: len(system.state_names)]
+    (_, after, *_), then = system.jump(np, y, q, base, with_numpy(system.parameters), k)
     return np.where(then.mode == REST, np.nan, after / omega)
 
 

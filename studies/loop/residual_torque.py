@@ -20,8 +20,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rocking.hybrid import ROTATION, Base, Discrete, bind_hooks
+from rocking.hybrid import ROTATION, Base, Discrete, System, bind_hooks
 from rocking.motion import base_at
+from rocking.remembering import RememberingBlock
 from studies.campaigns.swings import OPEN
 from studies.loop.model import LoopModel
 from studies.loop.simulation import Simulator
@@ -112,7 +113,7 @@ def residual_torque(model: LoopModel, simulator: Simulator, record: Record, part
         parts: of `stretches`.
     """
     value, sd = np.full(len(parts), np.nan), np.full(len(parts), np.nan)
-    if tuple(model.system.state_names) != ("theta", "omega"):
+    if not rocks_alone(model.system):
         return Residual(value, sd)
     zero, gain = affine(model)
     motion = model.base(simulator.bases[record.test], simulator.spans[record.test])
@@ -124,6 +125,11 @@ def residual_torque(model: LoopModel, simulator: Simulator, record: Record, part
         needed = _acceleration(model, theta, omega, float(side), there)
         value[k], sd[k] = _curvature(t, x - _twice_integrated(t, needed), record.noise / abs(gain))
     return Residual(value, sd)
+
+
+def rocks_alone(system: System) -> bool:
+    """Whether rotation and angular velocity, beside what impacts leave behind, are all that moves."""
+    return tuple(system.state_names) == ("theta", "omega") or isinstance(system, RememberingBlock)
 
 
 def affine(model: LoopModel) -> tuple[float, float]:
@@ -147,7 +153,8 @@ def _acceleration(model: LoopModel, theta: Array, omega: Array, side: float, bas
     system = model.system
     s = np.full(theta.shape, side)
     q = Discrete(np.full(theta.shape, ROTATION), s, np.ones(theta.shape))
-    rate = system.flow(np, (theta, omega), q, base, with_numpy(system.parameters))[1]
+    others = [np.zeros(theta.shape)] * (len(system.state_names) - 2)
+    rate = system.flow(np, (theta, omega, *others), q, base, with_numpy(system.parameters))[1]
     return np.asarray(rate + np.zeros(theta.shape))
 
 

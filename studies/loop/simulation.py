@@ -67,7 +67,7 @@ class Peak(NamedTuple):
 
 
 class Struck(NamedTuple):
-    """Impacts of a record before some time: how many, and how long ago the last one was [s]."""
+    """Impacts of a record before some time that ended a swing: how many, and how long ago the last one was [s]."""
 
     impacts: int
     pause: float

@@ -227,7 +227,8 @@ def _scores(simulator: Simulator, onto: Trial, smooth: Sequence[Candidate]) -> d
 
 def _nothing(onto: Trial, candidate: Candidate) -> dict[str, float]:
     """Parameters of the candidate at which it adds nothing to a trial."""
-    return candidate.nothing if candidate.effect in onto.effects else candidate.absent(onto.swing.model.declared)
+    declared = onto.swing.model.declared
+    return candidate.nothing(declared) if candidate.effect in onto.effects else candidate.absent(declared)
 
 
 @dataclass(frozen=True)

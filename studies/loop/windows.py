@@ -108,6 +108,22 @@ class Window:
         )  # fmt: skip
 
 
+def struck_before(record: Record, time: float) -> Struck:
+    """The impacts before some time [s] that ended a swing; one of which a gap holds the time counts from the gap."""
+    swings, found = record.found.swings, NEVER
+    for k, swing in enumerate(swings):
+        seen = record.found.bounds(k)[1]
+        end = seen if math.isfinite(seen) else float(record.time[min(swing.stop, record.time.size - 1)])
+        if end >= time:
+            break
+        after = swings[k + 1] if k + 1 < len(swings) else None
+        # A gap may lie within a swing: then both its parts are to one side, and no impact between them.
+        if after is not None and after.side == swing.side and np.isnan(record.rotation[swing.stop : after.start]).any():
+            continue
+        found = Struck(found.impacts + 1, time - end)
+    return found
+
+
 def cut(record: Record, number: int, start: float, stop: float, **state: Any) -> Window:
     """The part of a record from `start` to `stop` [s] as a window.
 
@@ -125,11 +141,9 @@ def cut(record: Record, number: int, start: float, stop: float, **state: Any) ->
     noise = record.noises[:, index].ravel()[there]
     sd = None if record.felt is None else np.hypot(noise, record.felt[:, index].ravel()[there])
     sides = None if record.sides is None else record.sides[index]
-    before = [impact.time for impact in record.found.impacts if impact.time < start]
-    struck = Struck(len(before), start - before[-1]) if before else NEVER
     return Window(
         number, record.test, start, np.ascontiguousarray(record.time[index]), index, record.channels, there,
-        observed[there], noise, **state, sd=sd, sides=sides, struck=struck,
+        observed[there], noise, **state, sd=sd, sides=sides, struck=struck_before(record, start),
     )  # fmt: skip
 
 

@@ -55,7 +55,7 @@ def blocks(rng: np.random.Generator) -> tuple[np.ndarray, dict[str, np.ndarray]]
 
 
 def in_single_precision(pars: np.ndarray, samples: Any, starts: np.ndarray, motions: np.ndarray) -> None:
-    """The falls of double precision, and tilts and times to a few units of single, which each impact multiplies."""
+    """The falls of double precision; tilts and times of most runs to a few units of single."""
     compiled = carry_portions(
         "linear", samples, lambda a, b: [np.ascontiguousarray(t[a:b]) for t in (pars, starts, motions)], RUNS, 10**6
     )
@@ -66,8 +66,9 @@ def in_single_precision(pars: np.ndarray, samples: Any, starts: np.ndarray, moti
     np.testing.assert_array_equal(np.isnan(traced), np.isnan(compiled))
     unit = np.finfo(np.float32).eps
     np.testing.assert_allclose(traced[:, FIRST], compiled[:, FIRST], rtol=8.0 * unit, atol=8.0 * unit)
-    for column in (LARGEST, ENDED):
-        assert np.nanmedian(np.abs(traced[:, column] - compiled[:, column])) < 2.0 * unit
+    # Most to a few units; those of many impacts by as much as these multiply it.
+    for column in (LARGEST, ENDED, OVERTURNING):
+        assert np.nanquantile(np.abs(traced[:, column] - compiled[:, column]), 0.75) < 16.0 * unit
     # A chatter ends at a count that rounding decides for some.
     assert np.mean(traced[:, COUNT] != compiled[:, COUNT]) < 0.05
     # Were numbers of double precision carried along somewhere, rounding would not be that of single.
@@ -209,7 +210,15 @@ def test_single_precision_is_refused_where_it_does_not_serve_and_written_on_what
     with pytest.raises(ValueError, match=r"precision='float32': does not hold 1e\+40, want 'float64'"):
         exact_batch(p=1e20, device="jax-cpu", precision="float32", **wave)
     with pytest.raises(ValueError, match=r"precision='float32': does not hold 1e-40"):
-        exact_batch(p=5.0, theta=1e-40, device="jax-cpu", precision="float32", **wave)
+        exact_batch(p=1e-20, device="jax-cpu", precision="float32", **wave)
+    # The tail of a pulse is zero, and no reason to refuse it.
+    t = np.linspace(-10.0, 10.0, 1001)
+    pulse: dict[str, Any] = {"motion": ScaledRecord(6.0 * np.exp(-2.0 * t * t), 0.02), "alpha": 0.2, "e": 0.9}
+    one, other = (
+        exact_batch(p=5.0, t_end=20.0, **how, **pulse) for how in ({}, {"device": "jax-cpu", "precision": "float32"})
+    )
+    assert other.peak_rotation == pytest.approx(one.peak_rotation, abs=1e-5)
+    assert other.impacts == one.impacts
 
 
 def test_a_device_is_refused_by_solvers_of_the_cpu_and_by_other_names() -> None:

@@ -4,8 +4,9 @@ Runs go side by side in lanes; a lane whose run is over takes the next.  Every r
 operations for all lanes, so that a GPU carries them in its registers; impacts are located to rounding.
 
 Source   as of `rocking.solvers.exact`.
-Status   agrees with the compiled batch of `rocking.solvers.taylor.batch` to rounding, in double precision and in
-         single; not measured on a GPU yet.  JAX's 64-bit mode is on while runs are carried, and only then.
+Status   agrees with the compiled batch of `rocking.solvers.taylor.batch` to rounding, which each impact multiplies, in
+         double precision and in single; not measured on a GPU yet.  JAX's 64-bit mode is on while runs are carried,
+         and only then.
 """
 
 from __future__ import annotations
@@ -104,14 +105,16 @@ def carried(runs: Runs, base: Base, max_events: Any, wave: bool, width: int) -> 
     return lax.while_loop(on, go, lanes).out
 
 
-def _as(precision: str, numbers: Any) -> Any:
-    """The numbers in that precision; ValueError if it does not hold one of them."""
+def _as(precision: str, numbers: Any, positive: bool = False) -> Any:
+    """The numbers in that precision; ValueError if one is beyond its range, or, where it is positive, below it."""
     given = np.asarray(numbers, np.float64)
     if precision == "float64":
         return given
     with np.errstate(over="ignore", under="ignore"):
         kept = given.astype(precision)
-    lost = np.isfinite(given) & (~np.isfinite(kept) | ((given != 0.0) & (np.abs(kept) < np.finfo(precision).tiny)))
+    lost = np.isfinite(given) & ~np.isfinite(kept)
+    if positive:
+        lost |= (given > 0.0) & (kept < np.finfo(precision).tiny)
     if np.any(lost):
         raise ValueError(
             f"precision={precision!r}: does not hold {float(given[lost].flat[0])!r}, want 'float64' for such runs"
@@ -143,7 +146,9 @@ def carry_on_device(
             f"precision={precision!r}: the records have {np.size(shared[0])} samples, too many to count in it"
         )
     tables = (pars, starts, motions, np.full((count, COLUMNS), np.nan))
-    rows, samples = Runs(*(_as(precision, a) for a in tables)), Base(*(_as(precision, a) for a in shared))
+    # What is very small is zero but among the numbers of a block, which are divided by.
+    rows = Runs(*(_as(precision, a, positive=a is pars) for a in tables))
+    samples = Base(*(_as(precision, a) for a in shared))
     with jax.enable_x64(True), jax.default_device(device):
         runs, base = jax.device_put((rows, samples), device)
         return np.array(carried(runs, base, jnp.asarray(max_events), record is None, width), np.float64)

@@ -50,7 +50,7 @@ PRESENT: dict[str, dict[str, float]] = {
         "even_intervals": 2.0,
         **{f"even_{j}": value for j, value in enumerate((0.02, -0.03, 0.04))},
     },
-    "learned_memory": {"first": -0.05, "first_impacts": 3.0, "recent": -0.04, "recent_time": 0.3},
+    "learned_memory": {"first": -0.05, "first_impacts": 3.0, "recent": -0.04, "recent_time": 0.3, "least_speed": 0.05},
     "mass_distribution": {"height": 0.45, "inertia": 6.0},
     "quadratic_drag": {"coefficient": 0.8},
     "rotation_gain": {"gain": 1.1},

@@ -7,9 +7,10 @@ import pytest
 
 from excitation import PiecewiseLinear
 from rocking import Block, Method1, solve
+from rocking import scalars as math_of_floats
 from rocking.composed import IMPACT
 from rocking.effects import compose, load
-from rocking.hybrid import ROTATION
+from rocking.hybrid import ROTATION, Base
 from rocking.remembering import LONG_AGO
 
 BLOCK = Block(b=0.2, h=0.8)
@@ -59,7 +60,7 @@ def test_without_depth_it_is_the_block_without_memory() -> None:
 
 
 def test_a_window_begins_with_the_impacts_before_it() -> None:
-    """Cut off after the third impact and begun again with what is remembered, a run goes on as it was."""
+    """Cut off after the third impact, the state is what is remembered of the impacts so far."""
     system = compose(Method1(BLOCK, restitution=E), [load("learned_memory")(**MEMORY)])
     whole = solve(system, theta=0.2, t_end=3.0, save_at=[3.0])
     hits = ratios(whole)
@@ -68,6 +69,23 @@ def test_a_window_begins_with_the_impacts_before_it() -> None:
     y, q = system.initial_state(at[0], at[1], impacts=3.0, pause=start - hits[2][0])
     np.testing.assert_allclose(y, at, rtol=0.0, atol=1e-8)
     assert q.s == math.copysign(1.0, at[0])
+    # It hangs on both: begun without them, the next impact would lose otherwise.
+    k, base = IMPACT, Base(0.0, 0.0, 0.0, 0.0)
+    lost = [
+        system.jump(math_of_floats, (0.0, 1.0, *more), q, base, system.parameters, k)[0][1]
+        for more in (y[2:], (0.0, LONG_AGO))
+    ]
+    assert lost[0] == pytest.approx(E - 0.06 * math.exp(-1.0) - 0.04 * math.exp(-y[3] / 0.25), rel=1e-9)
+    assert lost[1] == pytest.approx(E - 0.06, rel=1e-9)
+
+
+def test_impacts_that_are_too_slow_are_not_counted() -> None:
+    effect = load("learned_memory")(**MEMORY, least_speed=0.3)
+    system = compose(Method1(BLOCK, restitution=E), [effect])
+    run = solve(system, theta=0.2, t_end=6.0, save_at=[6.0])
+    speeds = np.abs(run.events.y_before[run.events.guard == IMPACT, 1])
+    assert run.y[0, 2] == np.sum(speeds > 0.3)
+    assert 2 < np.sum(speeds > 0.3) < speeds.size - 2
 
 
 @pytest.mark.parametrize(

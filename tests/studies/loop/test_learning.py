@@ -16,7 +16,7 @@ from studies.laboratory.parameters import G, World, uniform
 from studies.loop.learning import learn, memories, profiles
 from studies.loop.model import LoopModel
 from studies.loop.observing import jobs_of
-from studies.loop.simulation import Simulator
+from studies.loop.simulation import Job, Simulator
 from studies.loop.tracing import Trial, baseline
 from studies.loop.windows import record_of, swing_windows
 
@@ -101,7 +101,54 @@ def test_what_may_be_learned_is_nothing_at_first() -> None:
     simulator, plain = decays(IDEAL)
     job = jobs_of(plain.swing.windows[:1], 0)
     ideal = simulator.run([plain.swing.model], job)[0].theta
-    for candidate in (*profiles(DECLARED, plain.swing.windows), *memories(DECLARED)):
+    for candidate in (*profiles(DECLARED, plain.swing.windows), *memories(DECLARED, plain.swing.windows)):
         model = plain.swing.model.changed(candidate.absent(DECLARED))
         assert model.parts
         np.testing.assert_allclose(simulator.run([model], job)[0].theta, ideal, rtol=0.0, atol=1e-8)
+
+
+def test_impacts_of_a_record_are_those_of_a_run_though_the_base_trembles() -> None:
+    """A tremor lifts the block by less than the noise before it rocks: impacts seen and counted agree."""
+    rng, n = np.random.default_rng(3), 3001
+    time = STEP * np.arange(n)
+    tremor, shaking = 3.35 * np.sin(2.0 * np.pi * 15.0 * time), 5.0 * np.sin(2.0 * np.pi * 3.0 * (time - 4.0))
+    push = np.where(time > 4.0, shaking, np.where(time < 3.0, tremor, 0.0))
+    zero = np.zeros(n)
+    floor = table.pieces(STEP, push, zero, (zero, zero, zero))
+    read = event.simulate(IDEAL, floor, STEP, 1, 0.0).rotation + NOISE * rng.standard_normal(n)
+    channels = (Channel("base", "base_acceleration_x", 1e-3), Channel("rotation", "rotation", NOISE))
+    test = Test("forced", "forced", time, channels, {"base": push, "rotation": read})
+    record = record_of(test, 0, NOISE, DECLARED.alpha)
+    assert record is not None
+    windows = swing_windows([record])
+    [memory, _] = memories(DECLARED, windows)
+    values = {**memory.fixed, "learned_memory.first": 1e-9, "learned_memory.first_impacts": 4.0}
+    model = LoopModel(DECLARED, E, {}, G).changed(values)
+    starts = np.array([w.start for w in windows])
+    job = Job(0, 0, starts, 0.0)
+    counted = Simulator([test]).run([model], [job])[0].y
+    plain = LoopModel(DECLARED, E, {}, G).changed(values | {"learned_memory.least_speed": 0.0})
+    every = Simulator([test]).run([plain], [job])[0].y
+    seen = np.array([w.struck.impacts for w in windows])
+    assert every[0, 2] > seen[0] + 5
+    # While a run still follows the record, which the noise of the base does not let it do for long.
+    agree = slice(0, 6)
+    assert np.max(np.abs(counted[agree, 2] - seen[agree])) <= 1
+    assert counted[0, 3] > LONG_AGO  # none before it
+    after = slice(1, 6)
+    assert counted[after, 3] == pytest.approx([w.struck.pause for w in windows[after]], abs=0.02)
+
+
+def test_an_impact_in_a_gap_counts() -> None:
+    simulator, plain = decays(IDEAL)
+    first = [w for w in plain.swing.windows if w.record == 0]
+    hidden = event.simulate(IDEAL, still(), STEP, 1, LEANS[0]).impacts[1, 0]
+    test = simulator.tests[0]
+    data = {"rotation": np.where(np.abs(test.time - hidden) < 0.05, np.nan, test.data["rotation"])}
+    record = record_of(replace(test, data=data), 0, NOISE, DECLARED.alpha)
+    assert record is not None
+    later = [w for w in swing_windows([record]) if w.start > hidden + 0.1]
+    by_start = {round(w.start, 2): w.struck for w in first}
+    assert later
+    for window in later:
+        assert window.struck.impacts == by_start[round(window.start, 2)].impacts

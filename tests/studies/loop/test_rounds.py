@@ -231,7 +231,9 @@ def test_whole_records_that_are_missed_are_said(verdict, rms, ends, said):
 
 def explained_trial(chi2, *effects):
     parts = tuple(SimpleNamespace(effect=effect, slips=False, costly=False) for effect in effects)
-    swing = SimpleNamespace(chi2=chi2, parameters=effects, samples=10_000, model=SimpleNamespace(declared=None))
+    swing = SimpleNamespace(
+        chi2=chi2, parameters=effects, samples=10_000, model=SimpleNamespace(declared=None), windows=()
+    )
     return SimpleNamespace(names=effects, parts=parts, swing=swing, costly=False)
 
 
@@ -251,7 +253,7 @@ def test_what_was_learned_takes_the_place_of_names_where_it_explains_far_more(mo
     other = explained_trial(9_000.0 - better, "learned_memory")
     monkeypatch.setattr(closing, "_over_noise", lambda setup, trial: 1.0)
     monkeypatch.setattr(closing, "_structure", lambda setup: 1.03)
-    monkeypatch.setattr(closing, "memories", lambda block: ())
+    monkeypatch.setattr(closing, "memories", lambda block, windows: ())
     monkeypatch.setattr(closing, "search", lambda *_: SimpleNamespace(best=other))
     monkeypatch.setattr(closing, "learn", lambda simulator, onto, tell, rival=None: other if onto is plain else onto)
     setup = SimpleNamespace(by_rotation=True, simulator=None, records=[])
