@@ -50,10 +50,6 @@ class LearnedMemory(Effect):
         "least_speed": (0.0, 1e6),
     }
 
-    def ways_used(self) -> frozenset[str]:
-        """None where nothing is remembered."""
-        return self.ways() if self.first != 0.0 or self.recent != 0.0 else frozenset()
-
     def freedoms(self, system: ComposedMethod1) -> System:
         """The block with the impacts so far and the time since the last one as states."""
         return RememberingBlock(system, self.first, self.first_impacts, self.recent, self.recent_time, self.least_speed)

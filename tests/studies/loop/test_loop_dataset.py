@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 from rocking import G_STANDARD
+from rocking.remembering import LONG_AGO
 from studies.campaigns import Channel, DeclaredBlock, Test
 from studies.loop.dataset import dataset, group_names, save
 from studies.loop.model import LoopModel
@@ -171,12 +172,25 @@ def test_models_with_further_freedoms_have_no_residual_torque():
 
 def test_restitution_of_the_model_at_a_measured_impact():
     simulator, _, _ = _by_hand(0.0)
-    seen = Impacts(np.array([0.2, 0.6]), np.array([1, -1]), np.array([-0.5, 0.4]), np.zeros(2), np.ones(2))
+    before = np.array([0.0, 1.0]), np.array([LONG_AGO, 0.4])  # how many, how long ago
+    seen = Impacts(np.array([0.2, 0.6]), np.array([1, -1]), np.array([-0.5, 0.4]), np.zeros(2), np.ones(2), *before)
     slope = {"velocity_dependent_restitution": {"slope": 0.1}}
     plain = modelled_restitution(LoopModel(DECLARED, 0.9), simulator, 0, seen)
     sloping = modelled_restitution(LoopModel(DECLARED, 0.9, slope), simulator, 0, seen)
     assert plain == pytest.approx([0.9, 0.9])
     assert sloping - plain == pytest.approx([0.05, 0.04])  # slope times the speed
+    memory = {"learned_memory": {"first": -0.03, "first_impacts": 2.0, "recent": -0.02, "recent_time": 0.2}}
+    remembering = modelled_restitution(LoopModel(DECLARED, 0.9, memory), simulator, 0, seen)
+    assert remembering - plain == pytest.approx([-0.03, -0.03 * math.exp(-0.5) - 0.02 * math.exp(-2.0)])
+
+
+def test_a_block_that_remembers_impacts_has_the_residual_torque_of_one_that_does_not():
+    simulator, record, _ = _by_hand(0.0)
+    parts = stretches(record)
+    plain = residual_torque(LoopModel(DECLARED, 0.9), simulator, record, parts)
+    memory = residual_torque(LoopModel(DECLARED, 0.9, {"learned_memory": {"first": -0.03}}), simulator, record, parts)
+    np.testing.assert_allclose(memory.value, plain.value, rtol=0.0, atol=1e-9)
+    assert np.isfinite(plain.value).any()
 
 
 def test_onset_is_the_passage_of_a_level():
