@@ -20,6 +20,7 @@ from studies.loop.keeping import Keeper
 from studies.loop.learned_curves import Curve, curves
 from studies.loop.learning import LEARNED, learn, memories
 from studies.loop.model import LoopModel
+from studies.loop.names import readable
 from studies.loop.preparing import Setup, prepare
 from studies.loop.rivals import Rival, near, twins
 from studies.loop.scoring import Errors, errors, leaning, median
@@ -150,6 +151,13 @@ def close(
     if chosen is not path[-1]:
         rivals, fits = (), [*fits, whole_fit(setup, chosen)]
     before, after = settle(setup, plain, fits[0]), settle(setup, chosen, fits[-1])
+    if chosen is not path[-1] and not _carries(setup, before, after):
+        said.append(
+            f"what was learned of the swings ({', '.join(map(readable, chosen.names))}) does not carry over whole "
+            "records: it was left out"
+        )
+        chosen = path[-1]
+        after = settle(setup, chosen, fits[-2])
     models = {"declared": declared, "before": before.whole.model, "after": after.whole.model}
     windows = {"declared": setup.whole, "before": before.whole.windows, "after": after.whole.windows}
     all_errors = {name: errors(setup, model, windows[name]) for name, model in models.items()}
@@ -295,6 +303,12 @@ def _remembering(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> Trial 
     tell("asking whether impacts remember")
     best = search(setup.simulator, plain, memories(plain.swing.model.declared, plain.swing.windows), tell).best
     return best if best is not None and bic(best.swing) < bic(named.swing) - PAYS else None
+
+
+def _carries(setup: Setup, before: Settled, after: Settled) -> bool:
+    """Whether a model is nearer to the whole records that were fitted than the calibrated block."""
+    now, then = (errors(setup, s.whole.model, s.whole.windows).fit for s in (after, before))
+    return now < then
 
 
 def _of_whole_records(

@@ -260,3 +260,11 @@ def test_what_was_learned_takes_the_place_of_names_where_it_explains_far_more(mo
     chosen, verdict = closing._explained(setup, plain, found, lambda text: None)
     assert verdict == ends
     assert chosen is (found if ends == "effect" else other)
+
+
+@pytest.mark.parametrize(("fits", "carries"), [((0.0011, 0.0026), False), ((0.0048, 0.0012), True)])
+def test_what_was_learned_of_swings_has_to_bring_whole_records_nearer(monkeypatch, fits, carries):
+    error = dict(zip(("before", "after"), fits, strict=True))
+    monkeypatch.setattr(closing, "errors", lambda setup, model, windows: SimpleNamespace(fit=error[model]))
+    before, after = (SimpleNamespace(whole=SimpleNamespace(model=name, windows=())) for name in error)
+    assert closing._carries(None, before, after) is carries
