@@ -22,7 +22,8 @@ from studies.loop.learning import LEARNED, learn, memories
 from studies.loop.model import LoopModel
 from studies.loop.names import readable
 from studies.loop.preparing import Setup, prepare
-from studies.loop.rivals import Rival, near, twins
+from studies.loop.revising import Revision, revised
+from studies.loop.rivals import Rival, near_all, twins
 from studies.loop.scoring import Errors, errors, leaning, median
 from studies.loop.settling import Settled, gain, intervals, settle, whole_fit
 from studies.loop.spread import floor, variances
@@ -93,9 +94,10 @@ class Finding:
     before_fit: Fit
     after_fit: Fit
     chosen: Trial
-    rivals: tuple[Rival, ...]  # of the last round that paid, the chosen first
+    rivals: tuple[Rival, ...]  # each has one effect in place of another, the chosen first
     indistinguishable: tuple[tuple[str, ...], ...]
-    rounds: tuple[Round, ...]
+    rounds: tuple[Round, ...]  # of the search
+    deciding: tuple[Round, ...]  # of each effect with a name: what was tried in its place
     errors: dict[str, Errors]  # declared, before, after
     noise_floor: float
     intervals: dict[str, tuple[float, float, float]]  # value, low, high by full name
@@ -140,24 +142,20 @@ def close(
     tell("calibrating the ideal block")
     plain = baseline(setup.simulator, setup.start, setup.swings, gravity=g is None and setup.reads_gravity)
     path, rounds, fits, rivals = _traced(setup, plain, tell)
-    tell("comparing rivals")
+    named = Revision(path[-1], fits[-1], tuple(rounds[: len(path) - 1]))
     hint = path[-1].names[-1] if rivals else ""
-    if not rivals and len(path) > 1 and path[-1].parts[-1].in_swings:
-        rivals = _borne_out(setup, near(setup, rounds[len(path) - 2], path[-1], fits[-1]), path[-1], fits[-1])
-    if rivals:
-        path[-1], fits[-1] = rivals[0].trial, rivals[0].whole
-    chosen, verdict = _explained(setup, plain, path[-1], tell)
-    verdict, said = _of_whole_records(setup, chosen, verdict, fits[-1], hint)
-    if chosen is not path[-1]:
-        rivals, fits = (), [*fits, whole_fit(setup, chosen)]
-    before, after = settle(setup, plain, fits[0]), settle(setup, chosen, fits[-1])
-    if chosen is not path[-1] and not _carries(setup, before, after):
-        said.append(
-            f"what was learned of the swings ({', '.join(map(readable, chosen.names))}) does not carry over whole "
-            "records: it was left out"
-        )
-        chosen = path[-1]
-        after = settle(setup, chosen, fits[-2])
+    if not rivals:
+        named = revised(setup, plain, path[-1], fits[-1], rounds, tell)
+    tell("comparing rivals")
+    if not rivals and named.trial.parts:
+        near = near_all(setup, named.rounds, named.trial, named.whole)
+        rivals = _borne_out(setup, near, named.trial, named.whole)
+    stands, whole = (rivals[0].trial, rivals[0].whole) if rivals else (named.trial, named.whole)
+    before = settle(setup, plain, fits[0])
+    chosen, verdict, after, unlearned = _kept(setup, plain, before, stands, whole, tell)
+    if chosen is not stands:
+        rivals = ()
+    verdict, said = _of_whole_records(setup, chosen, verdict, whole, hint)
     models = {"declared": declared, "before": before.whole.model, "after": after.whole.model}
     windows = {"declared": setup.whole, "before": before.whole.windows, "after": after.whole.windows}
     all_errors = {name: errors(setup, model, windows[name]) for name, model in models.items()}
@@ -166,8 +164,8 @@ def close(
     floors = [floor(w, v) for w, v in zip(scored, spread, strict=True)]
     return Finding(
         setup, verdict, declared, models["before"], models["after"], before.whole, after.whole, chosen, rivals,
-        twins(rivals), tuple(rounds), all_errors, median(floors), intervals(chosen, after),
-        (*setup.notes, *said, *_unseen(setup)), after,
+        twins(rivals), tuple(rounds), named.rounds or tuple(rounds[:1]), all_errors, median(floors),
+        intervals(chosen, after), (*setup.notes, *named.said, *said, *unlearned, *_unseen(setup)), after,
     )  # fmt: skip
 
 
@@ -305,9 +303,33 @@ def _remembering(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> Trial 
     return best if best is not None and bic(best.swing) < bic(named.swing) - PAYS else None
 
 
-def _carries(setup: Setup, before: Settled, after: Settled) -> bool:
-    """Whether a model is nearer to the whole records that were fitted than the calibrated block."""
-    now, then = (errors(setup, s.whole.model, s.whole.windows).fit for s in (after, before))
+def _kept(
+    setup: Setup, plain: Trial, before: Settled, stands: Trial, whole: Fit, tell: Tell
+) -> tuple[Trial, Verdict, Settled, tuple[str, ...]]:
+    """The trial to keep with its verdict, its parameters, and what is to be said of what was not kept.
+
+    before: the calibrated block, settled.
+    whole: the fit on whole records of the effects that stand.
+    """
+    chosen, verdict = _explained(setup, plain, stands, tell)
+    by_name = settle(setup, stands, whole) if stands.parts else before
+    if chosen is stands:
+        return stands, verdict, by_name, ()
+    learned = settle(setup, chosen, whole_fit(setup, chosen))
+    if _carries(setup, by_name, learned):
+        return chosen, verdict, learned, ()
+    said = (
+        f"what was learned of the swings ({', '.join(map(readable, chosen.names))}) does not carry over whole "
+        "records: it was left out"
+    )
+    if _over_noise(setup, stands) > _structure(setup):
+        return stands, "unexplained", by_name, (said,)
+    return stands, "effect" if stands.parts else "none", by_name, (said,)
+
+
+def _carries(setup: Setup, without: Settled, found: Settled) -> bool:
+    """Whether a model is nearer to the whole records that were fitted than the one without what was learned."""
+    now, then = (errors(setup, s.whole.model, s.whole.windows).fit for s in (found, without))
     return now < then
 
 

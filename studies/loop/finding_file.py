@@ -45,25 +45,32 @@ def as_json(finding: Finding, next_test: str) -> dict[str, Any]:
 
 
 def _candidates(finding: Finding) -> list[dict[str, Any]]:
-    """What was tried in the round that decided: held-out error where it was computed, fall of chi-square."""
-    held = {r.trial.names[-1]: r.holdout for r in finding.rivals}
-    criteria = {r.trial.names[-1]: (r.criterion, r.whole_criterion) for r in finding.rivals}
-    deciding = finding.rounds[min(max(0, len(finding.chosen.parts) - 1), len(finding.rounds) - 1)]
-    rows = [
-        {
-            "effect": t.parts[-1].effect,
-            "form": t.names[-1],
-            "holdout_error": held.get(t.names[-1]),
-            "evidence": deciding.onto.swing.chi2 - t.swing.chi2,
-            "criterion": criteria.get(t.names[-1], (None, None))[0],
-            "whole_criterion": criteria.get(t.names[-1], (None, None))[1],
-        }
-        for t in deciding.trials
-    ]
-    rows += [
-        {"effect": name.partition("[")[0], "form": name, "holdout_error": None, "evidence": None, "not_refitted": why}
-        for name, why in deciding.skipped.items()
-    ]
+    """What was tried in the place of each effect: held-out error where it was computed, fall of chi-square."""
+    rivals = {frozenset(r.trial.names): r for r in finding.rivals}
+    rows: list[dict[str, Any]] = []
+    for tried in finding.deciding:
+        beside = list(tried.onto.names)
+        for t in tried.trials:
+            rival = rivals.get(frozenset(t.names))
+            form, part = next((n, p) for n, p in zip(t.names, t.parts, strict=True) if n not in beside)
+            rows.append(
+                {
+                    "effect": part.effect,
+                    "form": form,
+                    "beside": beside,
+                    "holdout_error": rival and rival.holdout,
+                    "evidence": tried.onto.swing.chi2 - t.swing.chi2,
+                    "criterion": rival and rival.criterion,
+                    "whole_criterion": rival and rival.whole_criterion,
+                }
+            )
+        rows += [
+            {
+                "effect": name.partition("[")[0], "form": name, "beside": beside, "holdout_error": None,
+                "evidence": None, "not_refitted": why,
+            }
+            for name, why in tried.skipped.items()
+        ]  # fmt: skip
     return sorted(rows, key=lambda row: -(row["evidence"] if row["evidence"] is not None else -math.inf))
 
 

@@ -37,6 +37,19 @@ class Rival:
     refused: bool = False  # whether whole records speak for the best one by far, whatever the criterion says
 
 
+def near_all(setup: Setup, rounds: Sequence[Round], best: Trial, whole: Fit) -> tuple[Rival, ...]:
+    """The same over several rounds, what is in more than one of them once.
+
+    rounds: of each effect what was tried in its place; the chosen trial may be in all of them.
+    """
+    found: dict[frozenset[str], Rival] = {}
+    for tried in rounds:
+        others = [t for t in tried.trials if frozenset(t.names) not in found]
+        for rival in near(setup, replace(tried, trials=others), best, whole):
+            found.setdefault(frozenset(rival.trial.names), rival)
+    return tuple(sorted(found.values(), key=lambda r: r.criterion))
+
+
 def near(setup: Setup, tried: Round, best: Trial, whole: Fit) -> tuple[Rival, ...]:
     """The chosen trial and those of its round that come near, each fitted to the end; the best first."""
     found = []
@@ -61,10 +74,15 @@ def near(setup: Setup, tried: Round, best: Trial, whole: Fit) -> tuple[Rival, ..
 
 
 def twins(rivals: Sequence[Rival]) -> tuple[tuple[str, ...], ...]:
-    """Sets that these data cannot tell apart."""
+    """Sets that these data cannot tell apart: an effect of the best and those that may stand in its place."""
     if len(rivals) < 2:
         return ()
     best = rivals[0]
-    near = [best, *(r for r in rivals[1:] if not r.refused and r.criterion - best.criterion < TWIN)]
-    names = list(dict.fromkeys(r.trial.effects[-1] for r in near))
-    return (tuple(names),) if len(names) > 1 else ()
+    sets: dict[str, list[str]] = {}
+    for r in rivals[1:]:
+        gone, new = (
+            [e for e in one.trial.effects if e not in other.trial.effects] for one, other in ((best, r), (r, best))
+        )
+        if not r.refused and r.criterion - best.criterion < TWIN and len(gone) == len(new) == 1:
+            sets.setdefault(gone[0], [gone[0]]).append(new[0])
+    return tuple(tuple(dict.fromkeys(names)) for names in sets.values())

@@ -168,7 +168,8 @@ def reason(row: Content, content: Content, parts: Sequence[str]) -> str:
         return f"not refitted: its {why} is too small" if why.startswith("score ") else f"not refitted: {why}"
     if any(row["effect"] in names for names in content["indistinguishable"]):
         return "cannot be told apart from what was chosen"
-    best = max((r["evidence"] or 0.0 for r in content["candidates"]), default=0.0)
+    same = [r for r in content["candidates"] if r["beside"] == row["beside"]]
+    best = max((r["evidence"] or 0.0 for r in same), default=0.0)
     own = row["evidence"] or 0.0
     if own < NOTHING:
         return "explains nothing"

@@ -206,14 +206,22 @@ def test_reasons():
         {"effect": "sliding", "form": "sliding", "evidence": -3.0},
         {"effect": "tether", "form": "tether[left]", "evidence": None, "not_refitted": "score 1.2"},
     ]
+    rows = [{**row, "beside": []} for row in rows]
+    # In the place of another effect it is measured by the best one there.
+    rows += [
+        {"effect": name, "form": name, "evidence": evidence, "beside": ["base_tilt"]}
+        for name, evidence in (("viscous_damping", 50.0), ("quadratic_drag", 20.0))
+    ]
     content = {"verdict": "effect", "candidates": rows, "indistinguishable": [["base_tilt", "eccentric_mass"]]}
-    assert [reason(row, content, ("base_tilt",)) for row in rows] == [
+    assert [reason(row, content, ("base_tilt", "viscous_damping")) for row in rows] == [
         "in the model after",
         "cannot be told apart from what was chosen",
         "comes near, but leaves 40 more than the best one",
         "explains 8 % of what the best one does",
         "explains nothing",
         "not refitted: its score 1.2 is too small",
+        "in the model after",
+        "explains 40 % of what the best one does",
     ]
 
 

@@ -1,0 +1,150 @@
+"""What a greedy search accepted, looked at again: effects that are no longer needed go, others give way to better ones.
+
+The effect that is accepted first may stand for several; once these are there, nothing is left to it, or a rival that
+explained less by itself explains more.  So each effect is taken out, with the others fitted anew: it stays out where
+that costs nothing, and where not, those that came near it in its round are tried in its place.
+
+Source   forward selection with elimination and replacement: Miller (2002), Subset Selection in Regression, ch. 3.
+Status   stand-ins of planted pairs are exchanged for what was planted (tests); what whole records decided stays
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from studies.loop.candidates import Candidate
+from studies.loop.fitting import Fit, fit
+from studies.loop.names import readable
+from studies.loop.preparing import Setup
+from studies.loop.rivals import FURTHER_COSTLY, TWIN
+from studies.loop.settling import whole_fit
+from studies.loop.tracing import Round, Trial, bic, pays, search
+from studies.loop.whole_records import explains_more
+
+MOST_TRIED = 6
+"""Candidates of its round that are tried in the place of an effect: those that explained most in it."""
+
+
+@dataclass(frozen=True)
+class Revision:
+    """The trial that stands, its fit on whole records, and of each effect what was tried in its place."""
+
+    trial: Trial
+    whole: Fit
+    rounds: tuple[Round, ...]  # of each effect: what was tried on top of the others
+    said: tuple[str, ...] = ()
+
+
+def revised(
+    setup: Setup, plain: Trial, trial: Trial, whole: Fit, rounds: Sequence[Round], tell: Callable[[str], None]
+) -> Revision:
+    """The accepted trial without what it does not need, and with what serves better.
+
+    Args:
+        setup: what the loop works on.
+        plain: the calibrated block.
+        trial: as the search accepted it.
+        whole: its fit on whole records.
+        rounds: of the search; the first ones brought in the effects of the trial, one each.
+        tell: is told what is being done.
+    """
+    sources = {part.name: found for part, found in zip(trial.parts, rounds, strict=False)}
+    stands = Revision(trial, whole, tuple(sources.values()))
+    if len(trial.parts) < 2:
+        return stands
+    known = {frozenset(trial.names)}
+    said: list[str] = []
+    while True:
+        tell("looking again at what was accepted first")
+        others = [_without(setup, plain, stands.trial, k) for k in range(len(stands.trial.parts))]
+        shorter = _dropped(setup, stands, others)
+        if shorter is not None:
+            gone = set(stands.trial.names) - set(shorter.trial.names)
+            said += [f"{readable(name)} was accepted before the others, and is not needed beside them" for name in gone]
+            stands = shorter
+            if len(stands.trial.parts) > 1:
+                continue
+            others = [plain]
+        if stands.trial.costly:
+            # A search beside a floor takes long: what the last one says has to be enough.
+            last = sources[stands.trial.names[-1]]
+            return replace(stands, rounds=() if said else (last,), said=tuple(said))
+        tried = tuple(
+            # The last one of the search was chosen with the others there.
+            sources[part.name] if part is trial.parts[-1] and not said
+            else _again(setup, without, stands.trial, part, sources[part.name], tell)
+            for part, without in zip(stands.trial.parts, others, strict=True)
+        )  # fmt: skip
+        stands, better = _exchanged(setup, replace(stands, rounds=tried, said=tuple(said)), known)
+        if better is None:
+            return stands
+        old, new = next(n for n in stands.trial.names if n not in better.trial.names), better.trial.names[-1]
+        said.append(f"{readable(old)} was accepted first; beside the others {readable(new)} explains more instead")
+        sources[new] = sources.pop(old)
+        known.add(frozenset(better.trial.names))
+        stands = better
+
+
+def _without(setup: Setup, plain: Trial, trial: Trial, k: int) -> Trial:
+    """The trial with one of its effects taken out, and all the others fitted anew."""
+    left = plain
+    for part in (*trial.parts[:k], *trial.parts[k + 1 :]):
+        left = left.with_(part, plain.swing)
+    effects = {name: values for name, values in trial.swing.model.effects.items() if name != trial.parts[k].effect}
+    start = replace(trial.swing.model, effects=effects)
+    steps = FURTHER_COSTLY if left.costly else 12
+    return replace(left, swing=fit(setup.simulator, start, left.every, trial.swing.windows, iterations=steps))
+
+
+def _dropped(setup: Setup, stands: Revision, others: Sequence[Trial]) -> Revision | None:
+    """The trial without the effect that it needs least, or None if swings or whole records need them all."""
+    for less in sorted(others, key=lambda t: t.swing.chi2):
+        if pays(less.swing, stands.trial.swing):
+            break
+        whole = whole_fit(setup, less, stands.whole)
+        if not explains_more(setup, stands.whole, whole):
+            return Revision(less, whole, ())
+    return None
+
+
+def _again(
+    setup: Setup, without: Trial, trial: Trial, part: Candidate, source: Round, tell: Callable[[str], None]
+) -> Round:
+    """What came near an effect when it was accepted, tried with the other effects there; the trial itself among it."""
+    if not part.in_swings:
+        return Round(without, [trial])
+    tried = search(setup.simulator, without, _near(source, trial), tell)
+    return replace(tried, trials=[*tried.trials, trial])
+
+
+def _near(source: Round, trial: Trial) -> list[Candidate]:
+    """The candidates of a round that explained most in it, without the effects of the trial, one form of each."""
+    best: dict[str, Candidate] = {}
+    for t in sorted(source.trials, key=lambda t: bic(t.swing)):
+        part = t.parts[-1]
+        if part.in_swings and not part.costly and part.effect not in trial.effects:
+            best.setdefault(part.effect, part)
+    return list(best.values())[:MOST_TRIED]
+
+
+def _exchanged(setup: Setup, stands: Revision, known: set[frozenset[str]]) -> tuple[Revision, Revision | None]:
+    """The trial with one effect exchanged for another that explains more, or None; first, what stood until then.
+
+    What explains more of the swings and far less of whole records is no rival: it is left out of the rounds.
+    """
+    better: Revision | None = None
+    refused: set[frozenset[str]] = set()
+    found = [t for tried in stands.rounds for t in tried.trials if frozenset(t.names) not in known]
+    for t in sorted(found, key=lambda t: bic(t.swing)):
+        if bic(t.swing) > bic(stands.trial.swing) - TWIN:
+            break
+        whole = whole_fit(setup, t, stands.whole)
+        if not explains_more(setup, stands.whole, whole):
+            better = Revision(t, whole, ())
+            break
+        refused.add(frozenset(t.names))
+    rounds = (
+        replace(tried, trials=[t for t in tried.trials if frozenset(t.names) not in refused]) for tried in stands.rounds
+    )
+    return replace(stands, rounds=tuple(rounds)), better

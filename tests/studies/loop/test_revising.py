@@ -1,0 +1,189 @@
+"""What a greedy search accepted is looked at again: stand-ins give way, what is needless goes, twins are named.
+
+Campaigns are of the laboratory, which shares no code with the models; what was planted is a number of its world.
+"""
+
+import math
+from dataclasses import replace
+from functools import cache
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from studies.campaigns import Campaign, Channel, Conditions, DeclaredBlock, Test
+from studies.laboratory import event, table
+from studies.laboratory.parameters import G, World, uniform
+from studies.loop import closing, revising
+from studies.loop.model import LoopModel
+from studies.loop.preparing import Setup, prepare
+from studies.loop.revising import revised
+from studies.loop.rivals import Rival, near_all, twins
+from studies.loop.settling import whole_fit
+from studies.loop.tracing import Round, Trial, all_candidates, baseline, bic, search
+
+BREADTH, HEIGHT, MASS, E, NOISE, STEP = 0.2, 0.6, 30.0, 0.93, 1e-4, 0.004
+DECLARED = DeclaredBlock(BREADTH, HEIGHT, 0.25, MASS)
+IDEAL = uniform(BREADTH, HEIGHT, MASS, E)
+LEANS = (0.26, -0.24, 0.21, -0.18, 0.15, -0.12)  # rad
+
+
+@cache
+def planted(*changes: tuple[str, float]) -> tuple[Setup, Trial]:
+    """Six releases in a laboratory whose world is changed, and the calibrated block."""
+    rng, tests, world = np.random.default_rng(1), [], replace(IDEAL, **dict(changes))
+    assert isinstance(world, World)
+    zero = np.zeros(1501)
+    for k, lean in enumerate(LEANS):
+        run = event.simulate(world, table.pieces(STEP, zero, zero, (zero, zero, zero)), STEP, 1, lean)
+        read = run.rotation + NOISE * rng.standard_normal(run.rotation.size)
+        channel = Channel("rotation", "rotation", NOISE)
+        tests.append(Test(f"free-{k}", "free", run.time, (channel,), {"rotation": read}, initial_rotation=lean))
+    campaign = Campaign("decays", DECLARED, Conditions(restitution=E), (channel,), tuple(tests))
+    setup = prepare(campaign, LoopModel(DECLARED, E, {}, G))
+    return setup, baseline(setup.simulator, setup.start, setup.swings)
+
+
+def tried(setup: Setup, onto: Trial, *effects: str) -> Round:
+    pool = [c for c in all_candidates(onto.swing.model) if c.effect in effects]
+    return search(setup.simulator, onto, pool)
+
+
+def on_top(setup: Setup, onto: Trial, *effects: str) -> tuple[Round, Trial]:
+    """A round with these effects, as if the first one named had won it."""
+    found = tried(setup, onto, *effects)
+    return found, next(t for t in found.trials if t.effects[-1] == effects[0])
+
+
+def quiet(text: str) -> None:
+    """Nobody listens."""
+
+
+def test_an_effect_that_stood_for_another_one_is_left_out() -> None:
+    """Drag was planted alone; damping, accepted first, stands for some of it and is not needed beside it."""
+    setup, plain = planted(("quadratic", 0.05))
+    first, stand_in = on_top(setup, plain, "viscous_damping", "quadratic_drag")
+    second, both = on_top(setup, stand_in, "quadratic_drag")
+    found = revised(setup, plain, both, whole_fit(setup, both), [first, second], quiet)
+    assert found.trial.effects == ("quadratic_drag",)
+    assert found.said == ("Viscous damping was accepted before the others, and is not needed beside them",)
+    assert [r.onto.effects for r in found.rounds] == [()]
+    assert bic(found.trial.swing) == pytest.approx(min(bic(t.swing) for t in first.trials), abs=1.0)
+
+
+@pytest.mark.slow
+def test_a_stand_in_that_was_accepted_first_gives_way() -> None:
+    """Rounded edges of 4 mm and drag were planted; a concave base, accepted first, comes near the edges."""
+    setup, plain = planted(("radius", 0.004), ("quadratic", 0.05))
+    first, stand_in = on_top(setup, plain, "concave_base", "rounded_edges", "viscous_damping")
+    second, both = on_top(setup, stand_in, "quadratic_drag", "viscous_damping")
+    found = revised(setup, plain, both, whole_fit(setup, both), [first, second], quiet)
+    assert set(found.trial.effects) == {"rounded_edges", "quadratic_drag"}
+    assert found.trial.swing.model.get("rounded_edges.radius") == pytest.approx(0.004, rel=0.05)
+    assert "Concave base was accepted first; beside the others Rounded edges explains more instead" in found.said
+    assert bic(found.trial.swing) < bic(both.swing) - 60.0
+    # Of each effect: what was tried beside the other one.
+    assert [len(r.onto.parts) for r in found.rounds] == [1, 1]
+    assert {r.onto.effects[0] for r in found.rounds} == {"rounded_edges", "quadratic_drag"}
+
+
+@pytest.mark.slow
+def test_an_effect_of_an_earlier_round_has_its_twin_named() -> None:
+    """A floor that leans a little turns the block as a mass off the middle does; larger, it can be told apart."""
+    setup, plain = planted(("tilt", 0.0003), ("quadratic", 0.05))
+    first, tilt = on_top(setup, plain, "base_tilt", "eccentric_mass")
+    second, both = on_top(setup, tilt, "quadratic_drag", "viscous_damping")
+    whole = whole_fit(setup, both)
+    found = revised(setup, plain, both, whole, [first, second], quiet)
+    rivals = near_all(setup, found.rounds, found.trial, found.whole)
+    assert {frozenset(r.trial.effects) for r in rivals[:2]} == {
+        frozenset({"base_tilt", "quadratic_drag"}),
+        frozenset({"eccentric_mass", "quadratic_drag"}),
+    }
+    [pair] = twins(rivals)
+    assert set(pair) == {"base_tilt", "eccentric_mass"}
+
+
+def test_one_effect_is_left_as_it_was() -> None:
+    setup, plain = planted(("quadratic", 0.05))
+    first, drag = on_top(setup, plain, "quadratic_drag", "viscous_damping")
+    found = revised(setup, plain, drag, whole_fit(setup, drag), [first], quiet)
+    assert found.trial is drag and found.rounds == (first,) and found.said == ()
+
+
+def stub(*names: str, chi2: float) -> Trial:
+    parts = tuple(SimpleNamespace(name=n, effect=n, in_swings=True, costly=False) for n in names)
+    swing = SimpleNamespace(chi2=chi2, parameters=names, samples=1000, windows=())
+    return SimpleNamespace(names=names, effects=names, parts=parts, swing=swing, costly=False)  # type: ignore[return-value]
+
+
+def test_what_whole_records_refuse_neither_goes_nor_comes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Swings would do without the lag and prefer drag to damping; whole records are explained far less so."""
+    plain, lag = stub(chi2=5000.0), stub("lag", chi2=4000.0)
+    both = stub("lag", "damping", chi2=1000.0)
+    first, second = Round(plain, [lag]), Round(lag, [both, stub("lag", "drag", chi2=900.0)])
+    alone = {"lag": stub("damping", chi2=1010.0), "damping": stub("lag", chi2=4000.0)}
+    monkeypatch.setattr(revising, "_without", lambda s, p, trial, k: alone[trial.names[k]])
+    monkeypatch.setattr(revising, "search", lambda s, onto, pool, tell: Round(onto, []))
+    monkeypatch.setattr(revising, "whole_fit", lambda setup, trial, whole: trial.names)
+    monkeypatch.setattr(revising, "explains_more", lambda setup, one, other: True)
+
+    found = revised(SimpleNamespace(simulator=None), plain, both, both.names, [first, second], quiet)  # type: ignore[arg-type]
+    assert found.trial is both and found.said == ()
+    # What they refuse is no rival either.
+    assert [t.names for r in found.rounds for t in r.trials] == [both.names, both.names]
+
+
+@pytest.mark.parametrize(
+    ("left", "names", "verdict"),
+    [(1.0, ("vdr",), "effect"), (1.0, (), "none"), (1.2, ("vdr",), "unexplained"), (1.2, (), "unexplained")],
+)
+@pytest.mark.parametrize("carries", [True, False])
+def test_names_come_back_where_what_was_learned_does_not_carry(
+    monkeypatch: pytest.MonkeyPatch, left: float, names: tuple[str, ...], verdict: str, carries: bool
+) -> None:
+    """It is compared with the effects whose place it took, not with the calibrated block; theirs is the verdict."""
+    plain, stands, memory = stub(chi2=5000.0), stub(*names, chi2=1000.0), stub("learned_memory", chi2=900.0)
+    fit_error = {(): 0.03, ("vdr",): 0.004, ("learned_memory",): 0.002 if carries else 0.01 if names else 0.04}
+    asked = []
+    monkeypatch.setattr(closing, "_explained", lambda *_: (memory, "unexplained"))
+    monkeypatch.setattr(closing, "settle", lambda setup, trial, whole: settled(trial.names))
+    monkeypatch.setattr(closing, "whole_fit", lambda setup, trial: None)
+    monkeypatch.setattr(closing, "_over_noise", lambda setup, trial: left)
+    monkeypatch.setattr(closing, "_structure", lambda setup: 1.03)
+
+    def errors(setup: object, model: tuple[str, ...], windows: object) -> SimpleNamespace:
+        asked.append(model)
+        return SimpleNamespace(fit=fit_error[model])
+
+    monkeypatch.setattr(closing, "errors", errors)
+    kept, said_verdict, after, said = closing._kept(None, plain, settled(()), stands, None, quiet)  # type: ignore[arg-type]
+    assert asked == [("learned_memory",), names]
+    if carries:
+        assert (kept, said_verdict, said) == (memory, "unexplained", ())
+        assert after.whole.model == ("learned_memory",)
+    else:
+        assert (kept, said_verdict) == (stands, verdict)
+        assert after.whole.model == names
+        assert "does not carry over whole records" in said[0]
+
+
+def settled(names: tuple[str, ...]) -> SimpleNamespace:
+    return SimpleNamespace(whole=SimpleNamespace(model=names, windows=()))
+
+
+def rival(*names: str, criterion: float) -> Rival:
+    return Rival(stub(*names, chi2=0.0), None, criterion, math.nan, math.nan)  # type: ignore[arg-type]
+
+
+def test_twins_are_named_by_what_they_take_the_place_of() -> None:
+    best = rival("tilt", "drag", criterion=100.0)
+    found = (
+        best,
+        rival("mass", "drag", criterion=104.0),
+        rival("tilt", "damping", criterion=108.0),
+        rival("drag", "offset", criterion=111.0),
+        rival("tilt", "layer", criterion=113.0),
+        rival("tilt", criterion=101.0),  # one less: it takes nobody's place
+    )
+    assert twins(found) == (("tilt", "mass", "offset"), ("drag", "damping"))
