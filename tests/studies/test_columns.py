@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import dem
-from rocking import Method1, solve
+from rocking import Method1, detection, solve
 from rocking.instruments import accelerometer
+from studies.criteria import pickups
 from studies.criteria.columns import Column, ColumnJob, ColumnSettings, G, criterion, history, parting
-from studies.criteria.pickups import SAMPLE, vertical_reading
+from studies.criteria.pickups import SAMPLE, fall_record, vertical_reading
 from studies.criteria.rocking_onset import BEYOND_WEST, OnsetJob, OnsetSettings, onset
 from studies.specimens import specimen
 
@@ -115,3 +116,19 @@ def test_an_onset_is_looked_for_until_the_envelope_is_well_beyond_west_and_no_lo
     expected = BEYOND_WEST * block.b / block.h * G * 0.1
     assert OnsetJob("method1", 3, 2.0, fast).t_end == pytest.approx(expected)
     assert expected < 10.0
+
+
+def test_the_quiet_part_of_a_column_s_record_ends_before_west_s_level_for_its_whole_height(monkeypatch):
+    """West: a block tips at b/h g, three of them as one at a third of it; four fifths of the time to it are quiet."""
+    settings, quiet = ColumnSettings(ramp=20.0, duration=3.0), []
+
+    def detect(t, reading, **options):
+        quiet.append(options["quiet"])
+        return detection.detect_overturning(t, reading, **options)
+
+    monkeypatch.setattr(pickups, "detect_overturning", detect)
+    found = fall_record(Column(3), 1.0, settings, 1)
+    [(begin, end)] = quiet
+    assert begin == 0.0
+    assert settings.motion(1.0).envelope(end / 0.8) == pytest.approx(G * 0.3 / 3.0)
+    assert end < found["true_time"] < found["time"][-1]

@@ -267,6 +267,17 @@ def test_heave_on_two_springs() -> None:
     assert response.centre[:400, 1] == pytest.approx(-np.cos(omega * response.time[:400]), abs=2e-3)
 
 
+def test_heave_on_two_springs_while_the_floor_shakes() -> None:
+    """A sine of 15 Hz on an oscillator at rest: the forced motion and the free one that begins with it."""
+    omega, forced = math.sqrt(2 * SOFT.stiffness / SOFT.mass), 2.0 * math.pi * 15.0
+    t = TIME[:500]
+    response = contact.simulate(SOFT, floor(az=np.sin(forced * TIME)), STEP, 1, 0.0)
+    assert response.centre is not None
+    exact = (forced**2 * np.sin(forced * t) - forced * omega * np.sin(omega * t)) / (omega**2 - forced**2)
+    # Cubics between samples of the sine leave 2e-7 of it.
+    assert response.centre[:500, 1] == pytest.approx(exact, abs=1e-6)
+
+
 # Two seconds, 14 swings from 0.16 rad. The package holds the corner by a spring along the floor, the laboratory by
 # friction that creeps: 1 % of the lean apart as the effect has it, a third of that with a spring four times as stiff.
 @pytest.mark.parametrize("held, apart", [(bouncing.HELD, 1.6e-3), (4.0 * bouncing.HELD, 6e-4)])
