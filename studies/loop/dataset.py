@@ -37,11 +37,7 @@ HELD_OUT, FITTED, UNUSED = "held out", "fitted", "not used"
 
 
 def dataset(finding: Finding) -> xr.DataTree:
-    """Everything that was compared, as a tree of datasets with units; see the module.
-
-    Raises:
-        ValueError: the sensor of a model is not affine.
-    """
+    """Everything that was compared, as a tree of datasets with units; see the module."""
     campaign = finding.setup.campaign
     records = {record.test: record for record in finding.setup.records}
     answers = _answers(finding)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocking.effects.learned_curve import EVEN, ODD, curve, numbers
-from studies.loop.learning import CURVE, MEMORY, TERM
+from studies.loop.learning import CURVE, MEMORY, READING, TERM
 from studies.loop.model import DRIFT
 from studies.loop.preparing import Setup
 from studies.loop.settling import Settled
@@ -46,6 +46,7 @@ class _Part:
     x_label: str
     y_label: str
     functions: Mapping[str, Callable[[Array], Array]]
+    effect: str = TERM
 
 
 TORQUE = "angular acceleration [rad/s²]"
@@ -81,6 +82,10 @@ PARTS = {
             "restitution_side": np.sign, "restitution_speed": np.abs, "restitution_square": lambda x: x**2,
         },
     ),
+    "reading": _Part(
+        "Reading against rotation", "What the rotation sensor adds to the rotation, before its gain and its offset.",
+        "rotation [rad]", "added to the reading [rad]", {"square": lambda x: x**2, "cubic": lambda x: x**3}, READING,
+    ),
 }  # fmt: skip
 
 
@@ -96,7 +101,7 @@ def curves(setup: Setup, settled: Settled) -> tuple[Curve, ...]:
     held = {name: k for k, name in enumerate(settled.names)}
     found = []
     for key, part in PARTS.items():
-        own = {f"{TERM}.{name}": function for name, function in part.functions.items()}
+        own = {f"{part.effect}.{name}": function for name, function in part.functions.items()}
         own = {name: function for name, function in own.items() if name in held}
         if own:
             found.append(_linear(part, own, held, settled, np.linspace(-1.0, 1.0, POINTS) * _reach(setup, key)))
@@ -183,7 +188,7 @@ def _banded(part: _Part, x: Array, y: Array, rows: Array, places: list[int], set
 def _reach(setup: Setup, key: str) -> float:
     """How far the campaign went along an axis."""
     rotation = max(float(np.nanmax(np.abs(record.rotation))) for record in setup.records)
-    if key in ("rotation", "structural"):
+    if key in ("rotation", "structural", "reading"):
         return rotation
     if key == "base":
         bases = [t.base_x for t in setup.campaign.tests if t.base_x is not None]

@@ -1,9 +1,9 @@
 """What no candidate explains: the residual learned as a term, one coefficient after the other.
 
 Each coefficient of `rocking.effects.learned_term`, a drift of restitution from test to test, the curves of
-`rocking.effects.learned_curve` and the restitution with a memory of `rocking.effects.learned_memory` are parameters
-whose default is nothing, fitted with the same machinery as the effects.  The greedy search stops when the next one does
-not lower the residual by `LEAST_GAIN`.
+`rocking.effects.learned_curve`, the restitution with a memory of `rocking.effects.learned_memory` and the bend of the
+sensor of `rocking.effects.learned_reading` are parameters whose default is nothing, fitted with the same machinery as
+the effects.  The greedy search stops when the next one does not lower the residual by `LEAST_GAIN`.
 
 Status   further freedoms, and a torque with a memory, are outside of the span: then little is learned.
 """
@@ -23,7 +23,7 @@ from studies.loop.fitting import Parameter
 from studies.loop.model import DRIFT
 from studies.loop.simulation import Simulator
 from studies.loop.tracing import Trial, pays, search
-from studies.loop.windows import Window
+from studies.loop.windows import SIDE, Window
 
 LEAST_GAIN = 0.03
 """Share by which the rms of the swings has to fall for one more coefficient."""
@@ -36,7 +36,7 @@ MOST_TERMS = 4
 HOPELESS = 2
 """Coefficients after which half of what is to be reached has to be."""
 
-TERM, CURVE, MEMORY = LEARNED = ("learned_term", "learned_curve", "learned_memory")
+TERM, CURVE, MEMORY, READING = LEARNED = ("learned_term", "learned_curve", "learned_memory", "learned_reading")
 """Effects that say how a residual looks and not what it comes from."""
 
 FURTHEST = 1.02
@@ -75,6 +75,17 @@ def _term(full: str, size: float) -> Candidate:
     parameter = Parameter(full, size, -50.0 * size, 50.0 * size)
     name = full if full == DRIFT else f"learned[{full.partition('.')[2]}]"
     return Candidate(name, TERM, (parameter,), (), {})  # it enters linearly: nothing is start enough
+
+
+def readings(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
+    """What a rotation sensor adds to the rotation, where one was read."""
+    if not any(
+        not w.accelerometers or any(c.kind == "rotation" and c is not SIDE for c in w.channels) for w in windows
+    ):
+        return ()
+    sizes = {"square": 0.02 / block.alpha, "cubic": 0.02 / block.alpha**2}
+    found = (Parameter(f"{READING}.{name}", size, -10.0 * size, 10.0 * size) for name, size in sizes.items())
+    return tuple(Candidate(f"learned[reading {p.name.partition('.')[2]}]", READING, (p,), (), {}) for p in found)
 
 
 def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
@@ -120,7 +131,10 @@ def learn(simulator: Simulator, onto: Trial, tell: Callable[[str], None], rival:
     declared = onto.swing.model.declared
     swings = onto.swing
     noise = math.sqrt(max(1.0 - (2 * len(swings.windows) + len(swings.parameters)) / max(swings.samples, 1), 0.0))
-    pool = (*terms(declared), *profiles(declared, onto.swing.windows), *memories(declared, onto.swing.windows))
+    pool = (
+        *terms(declared),
+        *(c for form in (readings, profiles, memories) for c in form(declared, onto.swing.windows)),
+    )
     for count in range(MOST_TERMS):
         gained = onto.swing.chi2 - current.swing.chi2
         if rival is not None and count >= HOPELESS and gained < 0.5 * (onto.swing.chi2 - rival.swing.chi2):

@@ -11,6 +11,9 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from rocking import G_STANDARD, Block, Method1
 from rocking.effect import Effect
 from rocking.effects import base_with, compose, load, rotation_reading
@@ -27,6 +30,12 @@ GRAVITY = "gravity"
 
 MOUNTING = "mounting"
 """What the full names of mounting angles begin with: "mounting.CHANNEL"."""
+
+SLOPE_STEP = 0.01
+"""Step of a derivative of the reading [rad]: exact up to the fourth power, and far above rounding."""
+
+MOST_STEPS = 30
+"""Of Newton's method; a straight line takes one."""
 
 
 @dataclass(frozen=True)
@@ -93,6 +102,21 @@ class LoopModel:
     def reading(self, theta: Any) -> Any:
         """What the rotation sensor says [rad]."""
         return rotation_reading(theta, self.parts)
+
+    def reading_slope(self, theta: ArrayLike) -> NDArray[np.float64]:
+        """How much more the rotation sensor says for a larger rotation [1], at rotations [rad] of any shape."""
+        x, h = np.asarray(theta, dtype=np.float64), SLOPE_STEP
+        near, far = (self.reading(x + d) - self.reading(x - d) for d in (h, 2.0 * h))
+        return np.asarray((8.0 * near - far) / (12.0 * h))
+
+    def rotation(self, reading: ArrayLike) -> NDArray[np.float64]:
+        """Rotation [rad] at which the sensor says a reading [rad], of any shape, by Newton's method; NaN if none."""
+        wanted = np.asarray(reading, dtype=np.float64)
+        theta = wanted.copy()
+        with np.errstate(all="ignore"):
+            for _ in range(MOST_STEPS):
+                theta = theta + (wanted - self.reading(theta)) / self.reading_slope(theta)
+            return np.where(np.abs(self.reading(theta) - wanted) <= 1e-9 * (1.0 + np.abs(wanted)), theta, np.nan)
 
     def axis(self, channel: Channel) -> tuple[float, float]:
         """The sensitive axis of an accelerometer on the block as it is mounted, in the block frame, of unit length."""

@@ -17,7 +17,7 @@ from rocking.hybrid import REST, ROTATION, Base, Discrete
 from rocking.motion import base_at
 from studies.campaigns.swings import OPEN
 from studies.loop.model import LoopModel
-from studies.loop.residual_torque import affine, rocks_alone, with_numpy
+from studies.loop.residual_torque import rocks_alone, with_numpy
 from studies.loop.simulation import Simulator
 from studies.loop.windows import Record, struck_before
 
@@ -56,7 +56,7 @@ def modelled_restitution(model: LoopModel, simulator: Simulator, test: int, seen
         return np.full(seen.time.shape, np.nan)
     motion = model.base(simulator.bases[test], simulator.spans[test])
     base = Base(*(v + np.zeros(seen.time.shape) for v in base_at(np, motion, seen.time, np.asarray(motion.parameters))))
-    omega = seen.omega / affine(model)[1]
+    omega = seen.omega / model.reading_slope(0.0)
     q = Discrete(np.full(omega.shape, ROTATION), seen.side.astype(np.float64), np.ones(omega.shape))
     k = system.guard_names.index("impact")
     y = (np.zeros(omega.shape), omega, seen.number, seen.pause)[: len(system.state_names)]

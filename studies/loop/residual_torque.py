@@ -115,15 +115,14 @@ def residual_torque(model: LoopModel, simulator: Simulator, record: Record, part
     value, sd = np.full(len(parts), np.nan), np.full(len(parts), np.nan)
     if not rocks_alone(model.system):
         return Residual(value, sd)
-    zero, gain = affine(model)
     motion = model.base(simulator.bases[record.test], simulator.spans[record.test])
     base = base_at(np, motion, record.time, np.asarray(motion.parameters))
     for k, (part, side) in enumerate(parts):
-        t, x = record.time[part], (record.rotation[part] - zero) / gain
+        t, x = record.time[part], model.rotation(record.rotation[part])
         theta, omega = _smooth(t, x)
         there = Base(*(np.broadcast_to(v, record.time.shape)[part] for v in base))
         needed = _acceleration(model, theta, omega, float(side), there)
-        value[k], sd[k] = _curvature(t, x - _twice_integrated(t, needed), record.noise / abs(gain))
+        value[k], sd[k] = _curvature(t, x - _twice_integrated(t, needed), record.noise / _gain(model, x))
     return Residual(value, sd)
 
 
@@ -132,16 +131,9 @@ def rocks_alone(system: System) -> bool:
     return tuple(system.state_names) == ("theta", "omega") or isinstance(system, RememberingBlock)
 
 
-def affine(model: LoopModel) -> tuple[float, float]:
-    """(reading at rest [rad], reading over true rotation) of the model's rotation sensor.
-
-    Raises:
-        ValueError: the sensor of the model is not affine.
-    """
-    low, zero, high = (float(model.reading(theta)) for theta in (-0.1, 0.0, 0.1))
-    if not abs(high + low - 2.0 * zero) <= 1e-9 * max(1.0, abs(high)) or high == zero:
-        raise ValueError(f"rotation reading: {low:g}, {zero:g}, {high:g} rad at -0.1, 0, 0.1 rad: want a straight line")
-    return zero, (high - zero) / 0.1
+def _gain(model: LoopModel, theta: Array) -> float:
+    """What the sensor makes of a small change about these rotations, on average [1]."""
+    return float(np.mean(np.abs(model.reading_slope(theta))))
 
 
 def with_numpy(par: Any) -> Any:

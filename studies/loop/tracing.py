@@ -295,8 +295,10 @@ def _as_seen(model: LoopModel, window: Window) -> Window:
     """The window from the state that the record shows, as the model takes its sensor; as it is where there is none."""
     if window.seen is None:
         return window
-    zero, gain = float(model.reading(0.0)), float(model.reading(1.0)) - float(model.reading(0.0))
-    return window.moved((window.seen.theta - zero) / gain, window.seen.omega / gain)
+    theta = float(model.rotation(window.seen.theta))
+    if not math.isfinite(theta):
+        return window
+    return window.moved(theta, window.seen.omega / float(model.reading_slope(theta)))
 
 
 def _ended(

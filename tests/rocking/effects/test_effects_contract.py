@@ -51,6 +51,7 @@ PRESENT: dict[str, dict[str, float]] = {
         **{f"even_{j}": value for j, value in enumerate((0.02, -0.03, 0.04))},
     },
     "learned_memory": {"first": -0.05, "first_impacts": 3.0, "recent": -0.04, "recent_time": 0.3, "least_speed": 0.05},
+    "learned_reading": {"square": 0.1, "cubic": -0.3},
     "mass_distribution": {"height": 0.45, "inertia": 6.0},
     "quadratic_drag": {"coefficient": 0.8},
     "rotation_gain": {"gain": 1.1},
@@ -228,7 +229,9 @@ def test_solvers_agree_on_all_effects_together(shaken: Any, solver: str) -> None
     np.testing.assert_allclose(other.impact_times, one.impact_times, rtol=0.0, atol=1e-8)
 
 
-@pytest.mark.parametrize("name", [n for n in TOGETHER if n not in ("rotation_gain", "rotation_offset")])
+@pytest.mark.parametrize(
+    "name", [n for n in TOGETHER if n not in ("learned_reading", "rotation_gain", "rotation_offset")]
+)
 def test_each_of_all_effects_together_acts(shaken: Any, name: str) -> None:
     # Upright at first, so that adhesion has a say.
     effects = [load(name)(**PRESENT[name]) for name in TOGETHER]

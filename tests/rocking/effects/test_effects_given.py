@@ -141,7 +141,7 @@ def test_effects_act_alike_in_whatever_order_they_are_given(shaken: Any) -> None
         "base_tilt.angle=0.02", "vertical_motion.ratio=0.2", "base_motion_lag.lag=0.01", "rounded_edges.radius=0.01",
         "base_motion_gain.gain=1.1", "concave_base.breadth=0.17", "tether.stiffness=50",
         "viscous_damping.coefficient=1",
-        "rotation_offset.offset=0.01", "rotation_gain.gain=1.2",
+        "rotation_offset.offset=0.01", "rotation_gain.gain=1.2", "learned_reading.cubic=0.3",
     ]  # fmt: skip
     from rocking.instruments import rotation_sensor
 

@@ -13,7 +13,7 @@ from rocking.remembering import LONG_AGO
 from studies.campaigns import Channel, DeclaredBlock, Test
 from studies.laboratory import event, table
 from studies.laboratory.parameters import G, World, uniform
-from studies.loop.learning import learn, memories, profiles
+from studies.loop.learning import learn, memories, profiles, readings
 from studies.loop.model import LoopModel
 from studies.loop.observing import jobs_of
 from studies.loop.simulation import Job, Simulator
@@ -32,12 +32,12 @@ def still():
     return table.pieces(STEP, zero, zero, (zero, zero, zero))
 
 
-def decays(world: World) -> tuple[Simulator, Trial]:
-    """Six releases, and the calibrated block fitted to their swings."""
+def decays(world: World, cubic: float = 0.0) -> tuple[Simulator, Trial]:
+    """Six releases, and the calibrated block fitted to their swings; the sensor adds so much of the cube [1/rad^2]."""
     rng, tests = np.random.default_rng(1), []
     for k, lean in enumerate(LEANS):
         run = event.simulate(world, still(), STEP, 1, lean)
-        read = run.rotation + NOISE * rng.standard_normal(run.rotation.size)
+        read = run.rotation + cubic * run.rotation**3 + NOISE * rng.standard_normal(run.rotation.size)
         tests.append(Test(f"free-{k}", "free", run.time, (Channel("rotation", "rotation", NOISE),), {"rotation": read}))
     records = [record_of(test, k, NOISE, DECLARED.alpha) for k, test in enumerate(tests)]
     simulator = Simulator(tests)
@@ -45,8 +45,8 @@ def decays(world: World) -> tuple[Simulator, Trial]:
     return simulator, baseline(simulator, LoopModel(DECLARED, E, {}, G), windows)
 
 
-def learned(world: World) -> Trial:
-    simulator, plain = decays(world)
+def learned(world: World, cubic: float = 0.0) -> Trial:
+    simulator, plain = decays(world, cubic)
     assert plain.swing.rms > 1.3
     found = learn(simulator, plain, lambda text: None)
     # Two states are fitted to each window: what is left of pure noise is below it.
@@ -85,6 +85,16 @@ def test_a_restitution_that_remembers_is_learned(
     assert values[span] == pytest.approx(true[1], rel=0.25)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("cubic", [0.4, -0.4])
+def test_a_sensor_that_bends_is_learned_as_one(cubic: float) -> None:
+    """Three per cent of the reading at the largest lean."""
+    found = learned(IDEAL, cubic)
+    assert found.names == ("learned[reading cubic]",)
+    assert found.swing.model.get("learned_reading.cubic") == pytest.approx(cubic, rel=0.05)
+    assert found.swing.model.restitution == pytest.approx(E, abs=5e-4)
+
+
 def test_a_window_knows_the_impacts_before_it() -> None:
     simulator, plain = decays(IDEAL)
     of_first = [w for w in plain.swing.windows if w.record == 0]
@@ -101,7 +111,7 @@ def test_what_may_be_learned_is_nothing_at_first() -> None:
     simulator, plain = decays(IDEAL)
     job = jobs_of(plain.swing.windows[:1], 0)
     ideal = simulator.run([plain.swing.model], job)[0].theta
-    for candidate in (*profiles(DECLARED, plain.swing.windows), *memories(DECLARED, plain.swing.windows)):
+    for candidate in (c for form in (readings, profiles, memories) for c in form(DECLARED, plain.swing.windows)):
         model = plain.swing.model.changed(candidate.absent(DECLARED))
         assert model.parts
         np.testing.assert_allclose(simulator.run([model], job)[0].theta, ideal, rtol=0.0, atol=1e-8)

@@ -1,0 +1,47 @@
+"""A sensor that bends, by hand and against SciPy's roots (rocking.effects.learned_reading)."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from rocking import Block, Method1, solve
+from rocking.effects import load
+from rocking.instruments import rotation_sensor
+from studies.campaigns import DeclaredBlock
+from studies.loop.model import LoopModel
+
+DECLARED = DeclaredBlock(0.2, 0.6, 0.25, 30.0)
+BENT = {
+    "learned_reading": {"square": 0.15, "cubic": -0.6}, "rotation_gain": {"gain": 1.03},
+    "rotation_offset": {"offset": 2e-3},
+}  # fmt: skip
+
+
+def by_hand(theta):
+    return 1.03 * (theta + 0.15 * theta**2 - 0.6 * theta**3) + 2e-3
+
+
+def test_a_sensor_reads_the_rotation_its_square_and_its_cube_before_gain_and_offset():
+    effects = [load(name)(**values) for name, values in BENT.items()]
+    run = solve(Method1(Block(b=0.2, h=0.6)), theta=0.2, t_end=1.5, effects=effects)
+    np.testing.assert_allclose(rotation_sensor(run), by_hand(run.theta), rtol=0.0, atol=1e-15)
+    # The block moves as it would without a sensor.
+    np.testing.assert_array_equal(run.theta, solve(Method1(Block(b=0.2, h=0.6)), theta=0.2, t_end=1.5).theta)
+
+
+def test_a_model_finds_the_rotation_behind_a_reading():
+    model = LoopModel(DECLARED, 0.9, BENT)
+    reading = np.array([-0.25, -0.1, 0.0, 1e-3, 0.2, np.nan])
+    found = model.rotation(reading)
+    roots = [brentq(lambda x, r=r: by_hand(x) - r, -0.5, 0.5, xtol=1e-15) for r in reading[:-1]]
+    np.testing.assert_allclose(found[:-1], roots, rtol=0.0, atol=1e-13)
+    assert np.isnan(found[-1])
+    slope = 1.03 * (1.0 + 0.3 * found[:-1] - 1.8 * found[:-1] ** 2)
+    np.testing.assert_allclose(model.reading_slope(found[:-1]), slope, rtol=1e-12)
+    assert float(model.rotation(0.1)) == pytest.approx(brentq(lambda x: by_hand(x) - 0.1, -0.5, 0.5), abs=1e-11)
+
+
+def test_a_reading_beyond_what_a_bent_sensor_can_say_has_no_rotation():
+    """theta + 20 theta^2 is nowhere below -1/80 rad."""
+    model = LoopModel(DECLARED, 0.9, {"learned_reading": {"square": 20.0}})
+    assert np.isnan(model.rotation(-0.02))
