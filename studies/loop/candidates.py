@@ -17,7 +17,7 @@ import numpy as np
 from rocking import G_STANDARD
 from rocking.effects import load
 from studies.campaigns import DeclaredBlock
-from studies.loop.fitting import UNEVEN, Parameter
+from studies.loop.parameters import UNEVEN, Parameter
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,8 @@ from rocking.effects.learned_curve import EVEN, ODD
 from studies.campaigns import DeclaredBlock
 from studies.campaigns.swings import OPEN
 from studies.loop.candidates import Candidate
-from studies.loop.fitting import Parameter
 from studies.loop.model import DRIFT
+from studies.loop.parameters import Parameter
 from studies.loop.simulation import Simulator
 from studies.loop.tracing import Trial, pays, search
 from studies.loop.windows import SIDE, Window

@@ -23,7 +23,8 @@ from rocking.hybrid import REST, ROTATION
 from studies.campaigns import Channel, Test
 from studies.campaigns.clipping import clipped
 from studies.campaigns.swings import segment
-from studies.loop.fitting import fit, residuals
+from studies.loop.fitting import fit
+from studies.loop.linearising import residuals
 from studies.loop.model import MOUNTING, LoopModel
 from studies.loop.observing import readings
 from studies.loop.simulation import Job, Simulator

@@ -12,18 +12,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studies.loop.fitting import (
-    ROBUST,
-    Fit,
-    Parameter,
-    fit,
-    fit_records,
-    objectives,
-    robust_covariance,
-    sensor_covariance,
-)
+from studies.loop.estimating import robust_covariance, scales, sensor_covariance
+from studies.loop.fitting import Fit, fit, fit_records
 from studies.loop.learning import LEARNED
+from studies.loop.linearising import ROBUST, objectives
 from studies.loop.model import LoopModel
+from studies.loop.parameters import Parameter
 from studies.loop.preparing import Setup
 from studies.loop.spread import variances, weighed
 from studies.loop.tracing import PAYS, Trial
@@ -161,7 +155,7 @@ def _numbers(found: Fit) -> Array:
 
 def _inner(found: Fit, covariance: Array) -> Array:
     """Its covariance."""
-    scale = np.array([p.slope(found.model.get(p.name)) for p in found.parameters])
+    scale = scales(found)
     return covariance / np.outer(scale, scale)
 
 

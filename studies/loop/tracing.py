@@ -19,8 +19,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from studies.loop.candidates import Candidate, candidates
-from studies.loop.fitting import HUBER, Fit, Parameter, fit, gains, objectives, residuals
+from studies.loop.estimating import gains
+from studies.loop.fitting import Fit, fit
+from studies.loop.linearising import HUBER, objectives, residuals
 from studies.loop.model import GRAVITY, MOUNTING, RESTITUTION, LoopModel
+from studies.loop.parameters import Parameter
 from studies.loop.simulation import Simulator
 from studies.loop.windows import Window
 

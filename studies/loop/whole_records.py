@@ -14,8 +14,10 @@ from dataclasses import replace
 import numpy as np
 
 from studies.loop.candidates import Candidate
-from studies.loop.fitting import Fit, Parameter, fit, fit_records, sensor_covariance
+from studies.loop.estimating import sensor_covariance
+from studies.loop.fitting import Fit, fit, fit_records
 from studies.loop.model import RESTITUTION
+from studies.loop.parameters import Parameter
 from studies.loop.preparing import Setup
 from studies.loop.rivals import Rival
 from studies.loop.scoring import errors

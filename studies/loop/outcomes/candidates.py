@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from rocking import G_STANDARD
 from studies.campaigns import DeclaredBlock
 from studies.loop.candidates import Candidate
-from studies.loop.fitting import Parameter
 from studies.loop.learning import TERM
 from studies.loop.model import DRIFT, RESTITUTION
+from studies.loop.parameters import Parameter
 
 Array = NDArray[np.float64]
 

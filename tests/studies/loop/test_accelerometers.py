@@ -15,7 +15,8 @@ from rocking import Block, Method1, solve
 from rocking.instruments import accelerometer
 from studies.campaigns import Campaign, CampaignError, Channel, Conditions, DeclaredBlock, Test
 from studies.loop.closing import STANDARD_GRAVITY
-from studies.loop.fitting import linearised, sensor_covariance
+from studies.loop.estimating import sensor_covariance
+from studies.loop.linearising import linearised
 from studies.loop.model import LoopModel
 from studies.loop.observing import jobs_of, observe
 from studies.loop.preparing import Setup, prepare

@@ -14,8 +14,11 @@ from rocking import Block, Method1, solve
 from rocking.effects import load
 from studies.campaigns import Channel, DeclaredBlock, Test
 from studies.loop.candidates import candidates
-from studies.loop.fitting import DISAGREEING, Parameter, _moved, fit, gains, linearised, robust_covariance
+from studies.loop.estimating import DISAGREEING, gains, robust_covariance
+from studies.loop.fitting import _moved, fit
+from studies.loop.linearising import linearised
 from studies.loop.model import LoopModel
+from studies.loop.parameters import Parameter
 from studies.loop.simulation import Job, Simulator
 from studies.loop.spread import redrawn
 from studies.loop.tracing import E
@@ -85,10 +88,10 @@ def test_a_run_of_the_simulator_is_that_of_the_scipy_solver(tests: list[Test], s
 def test_derivatives_through_impacts_do_not_depend_on_the_step(
     simulator: Simulator, windows: list, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from studies.loop import fitting
+    from studies.loop import linearising
 
     fine = linearised(simulator, model(TRUE_C), [E, DRAG], windows[:6])
-    monkeypatch.setattr(fitting, "STEP", 2e-2)
+    monkeypatch.setattr(linearising, "STEP", 2e-2)
     coarse = linearised(simulator, model(TRUE_C), [E, DRAG], windows[:6])
     for a, b in zip(fine.by_parameters, coarse.by_parameters, strict=True):
         np.testing.assert_allclose(a, b, rtol=0.0, atol=0.01 * float(np.abs(b).max()))

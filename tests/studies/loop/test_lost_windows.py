@@ -12,7 +12,8 @@ from rocking.effects import load
 from studies.campaigns import Channel, DeclaredBlock, Test
 from studies.loop.candidates import candidates
 from studies.loop.closing import _over_noise
-from studies.loop.fitting import Fit, fit, sensor_covariance
+from studies.loop.estimating import sensor_covariance
+from studies.loop.fitting import Fit, fit
 from studies.loop.model import LoopModel
 from studies.loop.simulation import Simulator
 from studies.loop.tracing import E, Trial, _as_seen, _on_some, _with_lost_found, baseline

@@ -14,9 +14,10 @@ from excitation import RampedSinusoid
 from rocking import Block, Method2, Mode, solve
 from studies.campaigns import Channel, DeclaredBlock, Test
 from studies.loop.candidates import candidates
-from studies.loop.fitting import Parameter, fit
+from studies.loop.fitting import fit
 from studies.loop.model import LoopModel
 from studies.loop.observing import jobs_of
+from studies.loop.parameters import Parameter
 from studies.loop.simulation import Simulator
 from studies.loop.tracing import baseline, pays, search
 from studies.loop.windows import record_of, swing_windows
