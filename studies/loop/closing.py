@@ -341,7 +341,8 @@ def _of_whole_records(
     hint: the form on which they decided, if they did.
     """
     notes = []
-    if hint and hint in chosen.names:
+    decided = bool(hint) and hint in chosen.names
+    if decided:
         notes.append(
             f"single swings do not settle on {hint}: whole records decided, as far as the noise of the base leaves "
             "them predictable"
@@ -359,6 +360,9 @@ def _of_whole_records(
         f"{far} of {len(whole.windows)} whole records are missed by more than {MISSED_BY_FAR:g} times their noise with "
         "what was found: it does not carry to their end, and something else may act"
     )
+    # What whole records alone speak for has to explain most of them.
+    if decided and 2 * far > len(whole.windows):
+        return "unexplained", notes
     return verdict, notes
 
 

@@ -229,6 +229,14 @@ def test_whole_records_that_are_missed_are_said(verdict, rms, ends, said):
     assert "settle on tilt" in notes[0]
 
 
+@pytest.mark.parametrize(("rms", "ends"), [((1.0, 1.0, 9.0, 8.0), "effect"), ((1.0, 9.0, 8.0), "unexplained")])
+def test_what_whole_records_alone_speak_for_has_to_explain_most_of_them(rms, ends):
+    setup = SimpleNamespace(by_rotation=True)
+    assert closing._of_whole_records(setup, TILT, "effect", whole(*rms), "tilt")[0] == ends
+    # Of an effect that swings show, records that are lost do not speak against it.
+    assert closing._of_whole_records(setup, TILT, "effect", whole(*rms), "")[0] == "effect"
+
+
 def explained_trial(chi2, *effects):
     parts = tuple(SimpleNamespace(effect=effect, slips=False, costly=False) for effect in effects)
     swing = SimpleNamespace(
