@@ -207,3 +207,29 @@ class ComposedMethod1:
         """The centre of the edge on which the block rolls."""
         X, r = s * self.form.half_breadth, self.form.edge_radius
         return Anchor(X, r, X + r * y[0], r, r * rate[1], 0.0)
+
+
+class OnRigidBlock:
+    """What a block with further freedoms has of the rigid one that it is made of, `rigid`."""
+
+    rigid: ComposedMethod1
+
+    @property
+    def block(self) -> Any:
+        """The ideal block."""
+        return self.rigid.block
+
+    @property
+    def g(self) -> float:
+        """Acceleration of gravity [m/s^2]."""
+        return self.rigid.g
+
+    @property
+    def effects(self) -> tuple[Any, ...]:
+        """What was composed."""
+        return self.rigid.effects
+
+    @property
+    def theta_c(self) -> float:
+        """The smaller of the two tilts of unstable balance of the rigid block [rad]."""
+        return self.rigid.theta_c

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from rocking.composed import IMPACT, ComposedMethod1, balance, guards, jump_with
+from rocking.composed import IMPACT, ComposedMethod1, OnRigidBlock, balance, guards, jump_with
 from rocking.composed import flow as composed_flow
 from rocking.hybrid import Anchor, Base, Discrete
 from rocking.validation import positive, within
@@ -63,11 +63,11 @@ def jump(xp: Any, y: Any, q: Discrete, base: Base, par: Any, k: Any) -> tuple[tu
 
 
 @dataclass(frozen=True)
-class RememberingBlock:
+class RememberingBlock(OnRigidBlock):
     """A block whose restitution depends on the impacts before; made by `rocking.effects.learned_memory`.
 
     Args:
-        plain: the block without memory, with its form and hooks.
+        rigid: the block without memory, with its form and hooks.
         first: what the restitution of the first impact has more [1].
         first_impacts: after so many impacts this has fallen to 1/e [1], positive.
         recent: what the restitution of an impact right after another one has more [1].
@@ -79,7 +79,7 @@ class RememberingBlock:
         ValueError: a number is out of its range.
     """
 
-    plain: ComposedMethod1
+    rigid: ComposedMethod1
     first: float
     first_impacts: float
     recent: float
@@ -103,31 +103,11 @@ class RememberingBlock:
         positive("recent_time", self.recent_time, "s")
         within("least_speed", self.least_speed, 0.0, math.inf)
 
-    @property
-    def block(self) -> Any:
-        """The ideal block."""
-        return self.plain.block
-
-    @property
-    def g(self) -> float:
-        """Acceleration of gravity [m/s^2]."""
-        return self.plain.g
-
-    @property
-    def effects(self) -> tuple[Any, ...]:
-        """What was composed."""
-        return self.plain.effects
-
-    @property
-    def theta_c(self) -> float:
-        """The smaller of the two tilts of unstable balance [rad]."""
-        return self.plain.theta_c
-
     @cached_property
     def parameters(self) -> Parameters:
         """The numbers that the equations take."""
         return Parameters(
-            **self.plain.parameters._asdict(), first=float(self.first), first_impacts=float(self.first_impacts),
+            **self.rigid.parameters._asdict(), first=float(self.first), first_impacts=float(self.first_impacts),
             recent=float(self.recent), recent_time=float(self.recent_time), least_speed=float(self.least_speed),
         )  # fmt: skip
 
@@ -135,9 +115,9 @@ class RememberingBlock:
         self, theta: float = 0.0, omega: float = 0.0, impacts: float = 0.0, pause: float = LONG_AGO
     ) -> tuple[tuple[float, ...], Discrete]:
         """At rest if upright and still, else rocking on the edge that carries; after so many impacts and so long."""
-        y, q = self.plain.initial_state(theta, omega)
+        y, q = self.rigid.initial_state(theta, omega)
         return (*y, float(impacts), float(pause)), q
 
     def anchor(self, y: Any, rate: Any, s: Any) -> Anchor:
         """The centre of the edge on which the block rolls."""
-        return self.plain.anchor(y, rate, s)
+        return self.rigid.anchor(y, rate, s)

@@ -28,7 +28,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from rocking.composed import ComposedMethod1
+from rocking.composed import ComposedMethod1, OnRigidBlock
 from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, Anchor, Base, Discrete, in_floor_axes
 from rocking.validation import positive, within
 
@@ -160,7 +160,7 @@ def balance(xp: Any, y: Any, par: Parameters) -> Any:
 
 
 @dataclass(frozen=True)
-class BlockOnSoftFloor:
+class BlockOnSoftFloor(OnRigidBlock):
     """A block on springs and dashpots; made by `rocking.effects.compliant_base`, and by `bouncing` for a hard contact.
 
     Args:
@@ -213,26 +213,6 @@ class BlockOnSoftFloor:
                 f"corner_stiffness={self.corner_stiffness!r} N/m: want more than m g H / (2 a^2 (1 - 2 w / 3)) = "
                 f"{least:.6g} N/m, below which the block cannot stand"
             )
-
-    @property
-    def block(self) -> Any:
-        """The ideal block."""
-        return self.rigid.block
-
-    @property
-    def g(self) -> float:
-        """Acceleration of gravity [m/s^2]."""
-        return self.rigid.g
-
-    @property
-    def effects(self) -> tuple[Any, ...]:
-        """What was composed."""
-        return self.rigid.effects
-
-    @property
-    def theta_c(self) -> float:
-        """The smaller of the two tilts of unstable balance of the rigid block [rad]."""
-        return self.rigid.theta_c
 
     @cached_property
     def parameters(self) -> Parameters:
