@@ -178,6 +178,13 @@ def test_a_learned_memory_is_drawn_with_a_band_of_both_its_parameters():
     np.testing.assert_allclose((curve.high - curve.low) / (2.0 * 1.96), drawn.std(axis=0), rtol=0.05, atol=1e-6)
 
 
+def test_what_a_sensor_adds_is_drawn_over_the_rotation():
+    [curve] = retold({"learned_reading.cubic": -0.5}, np.array([[0.04]])).learned
+    np.testing.assert_allclose(curve.y, -0.5 * curve.x**3, rtol=1e-12)
+    np.testing.assert_allclose(curve.high - curve.low, 2.0 * 1.96 * 0.2 * np.abs(curve.x) ** 3, rtol=1e-12, atol=1e-18)
+    assert (curve.label, curve.y_label) == ("Reading against rotation", "added to the reading [rad]")
+
+
 @pytest.mark.parametrize("name", available())
 def test_every_effect_has_a_page(name):
     about = page(name)
