@@ -5,7 +5,7 @@ Parameters  square [1/rad], cubic [1/rad^2]; 0 where absent
 Use when    a sensor bends toward the ends of its range, or an arc is read for an angle: how the reading is off, not why
 Limits      two terms, without hysteresis or drift; outside of what was measured they say nothing
 Source      a calibration curve (JCGM 200:2012, 4.31) as a series
-Status      against readings of the laboratory, whose sensor is its own (tests)
+Status      by hand, and learned from decays of the laboratory with a cube added to what its sensor reads (tests)
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ Status   campaigns with records of the response; `studies.loop.outcomes.closing`
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -23,7 +23,7 @@ from studies.loop.model import LoopModel
 from studies.loop.names import readable
 from studies.loop.preparing import Setup, prepare
 from studies.loop.revising import Revision, revised
-from studies.loop.rivals import Rival, near_all, twins
+from studies.loop.rivals import Rival, near_all, standing, twins
 from studies.loop.scoring import Errors, errors, leaning, median
 from studies.loop.settling import Settled, gain, intervals, settle, whole_fit
 from studies.loop.spread import floor, variances
@@ -105,6 +105,11 @@ class Finding:
     settled: Settled  # the parameters of the model after and their covariance
 
     @property
+    def every_round(self) -> tuple[Round, ...]:
+        """The rounds of the search, and those in which effects were tried again in the place of others."""
+        return (*self.rounds, *(r for r in self.deciding if all(r is not known for known in self.rounds)))
+
+    @property
     def learned(self) -> tuple[Curve, ...]:
         """What a learned term looks like."""
         return curves(self.setup, self.settled)
@@ -141,9 +146,8 @@ def close(
     setup = prepare(campaign, declared, keeper)
     tell("calibrating the ideal block")
     plain = baseline(setup.simulator, setup.start, setup.swings, gravity=g is None and setup.reads_gravity)
-    path, rounds, fits, rivals = _traced(setup, plain, tell)
+    path, rounds, fits, rivals, decided = _traced(setup, plain, tell)
     named = Revision(path[-1], fits[-1], tuple(rounds[: len(path) - 1]))
-    hint = path[-1].names[-1] if rivals else ""
     if not rivals:
         named = revised(setup, plain, path[-1], fits[-1], rounds, tell)
     tell("comparing rivals")
@@ -155,7 +159,7 @@ def close(
     chosen, verdict, after, unlearned = _kept(setup, plain, before, stands, whole, tell)
     if chosen is not stands:
         rivals = ()
-    verdict, said = _of_whole_records(setup, chosen, verdict, whole, hint)
+    verdict, said = _of_whole_records(setup, chosen, verdict, whole, decided)
     models = {"declared": declared, "before": before.whole.model, "after": after.whole.model}
     windows = {"declared": setup.whole, "before": before.whole.windows, "after": after.whole.windows}
     all_errors = {name: errors(setup, model, windows[name]) for name, model in models.items()}
@@ -164,21 +168,24 @@ def close(
     floors = [floor(w, v) for w, v in zip(scored, spread, strict=True)]
     return Finding(
         setup, verdict, declared, models["before"], models["after"], before.whole, after.whole, chosen, rivals,
-        twins(rivals), tuple(rounds), named.rounds or tuple(rounds[:1]), all_errors, median(floors),
+        twins(rivals, named.trial), tuple(rounds), named.rounds or tuple(rounds[:1]), all_errors, median(floors),
         intervals(chosen, after), (*setup.notes, *named.said, *said, *unlearned, *_unseen(setup)), after,
     )  # fmt: skip
 
 
-def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[Round], list[Fit], tuple[Rival, ...]]:
+def _traced(
+    setup: Setup, plain: Trial, tell: Tell
+) -> tuple[list[Trial], list[Round], list[Fit], tuple[Rival, ...], frozenset[str]]:
     """The trials that were accepted one on top of the other, all rounds, and the fits on whole records.
 
-    Besides, the rivals of the last one where whole records decided among them.
+    Besides, the rivals of the last one where whole records decided among them, and the forms on which they decided.
     """
     pool = all_candidates(plain.swing.model)
     if not setup.by_rotation:
         pool = tuple(c for c in pool if c.effect not in OF_THE_ROTATION_SENSOR)
     path, rounds, fits = [plain], [], [whole_fit(setup, plain)]
     rivals: tuple[Rival, ...] = ()
+    decided: set[str] = set()
     for depth in range(MOST_EFFECTS):
         if depth > 1 and path[-1].swing.rms < NOTHING_LEFT:
             break
@@ -192,14 +199,23 @@ def _traced(setup: Setup, plain: Trial, tell: Tell) -> tuple[list[Trial], list[R
         path.append(accepted[0])
         fits.append(accepted[1])
         rivals = confirmed
-    return path, rounds, fits, rivals
+        if confirmed:
+            decided.add(accepted[0].names[-1])
+    return path, rounds, fits, rivals, frozenset(decided)
 
 
 def _borne_out(setup: Setup, rivals: Sequence[Rival], chosen: Trial, whole: Fit) -> tuple[Rival, ...]:
-    """The rivals without those that whole records refused, where these were what brought a soft floor in."""
-    if not chosen.costly:
-        return tuple(rivals)
-    return tuple(r for r in rivals if r.trial.costly or not explains_more(setup, whole, r.whole))
+    """The rivals, the best first: none before the chosen trial that whole records refuse.
+
+    Where they were what brought a soft floor in, those that they refused then are left out.
+    """
+
+    def refused(r: Rival) -> bool:
+        return setup.by_rotation and r.trial.names != chosen.names and explains_more(setup, whole, r.whole)
+
+    if chosen.costly:
+        return tuple(r for r in rivals if r.trial.costly or not refused(r))
+    return standing(rivals, refused)
 
 
 def _round(
@@ -334,19 +350,18 @@ def _carries(setup: Setup, without: Settled, found: Settled) -> bool:
 
 
 def _of_whole_records(
-    setup: Setup, chosen: Trial, verdict: Verdict, whole: Fit, hint: str
+    setup: Setup, chosen: Trial, verdict: Verdict, whole: Fit, decided: Collection[str]
 ) -> tuple[Verdict, list[str]]:
     """The verdict once whole records are looked at, and what is to be said of them.
 
-    hint: the form on which they decided, if they did.
+    decided: the forms on which they decided.
     """
-    notes = []
-    decided = bool(hint) and hint in chosen.names
-    if decided:
-        notes.append(
-            f"single swings do not settle on {hint}: whole records decided, as far as the noise of the base leaves "
-            "them predictable"
-        )
+    by_them = [name for name in chosen.names if name in decided]
+    notes = [
+        f"single swings do not settle on {name}: whole records decided, as far as the noise of the base leaves "
+        "them predictable"
+        for name in by_them
+    ]
     if verdict == "unexplained" or not (setup.by_rotation and missed(whole)):
         return verdict, notes
     if verdict == "none":
@@ -361,7 +376,7 @@ def _of_whole_records(
         "what was found: it does not carry to their end, and something else may act"
     )
     # What whole records alone speak for has to explain most of them.
-    if decided and 2 * far > len(whole.windows):
+    if len(by_them) == len(chosen.names) and 2 * far > len(whole.windows):
         return "unexplained", notes
     return verdict, notes
 

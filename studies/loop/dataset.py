@@ -219,17 +219,17 @@ def _texts(values: list[str]) -> NDArray[np.object_]:
 
 def candidates(finding: Finding) -> xr.Dataset:
     """Scores and evidence of each form of an effect in each round; NaN where it was not tried."""
-    rounds = finding.rounds
-    forms = list(dict.fromkeys(f for r in rounds for f in (*(t.names[-1] for t in r.trials), *r.skipped)))
+    rounds = finding.every_round
+    forms = list(dict.fromkeys(f for r in rounds for f in (*(r.added(t).name for t in r.trials), *r.skipped)))
     shape = (len(rounds), len(forms))
     evidence, score, held = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
     reason = np.full(shape, "", dtype=object)
-    holdout = {rival.trial.names: rival.holdout for rival in finding.rivals}
+    holdout = {frozenset(rival.trial.names): rival.holdout for rival in finding.rivals}
     for i, tried in enumerate(rounds):
         for trial in tried.trials:
-            j = forms.index(trial.names[-1])
+            j = forms.index(tried.added(trial).name)
             evidence[i, j] = tried.onto.swing.chi2 - trial.swing.chi2
-            score[i, j], held[i, j] = trial.score, holdout.get(trial.names, math.nan)
+            score[i, j], held[i, j] = trial.score, holdout.get(frozenset(trial.names), math.nan)
         for form, why in tried.skipped.items():
             reason[i, forms.index(form)] = why
     two = ("round", "form")

@@ -22,6 +22,7 @@ from studies.loop.linearising import (
     about,
     left_over,
     linearised,
+    priors,
     read_of,
     reduced,
     slopes,
@@ -88,8 +89,12 @@ def gains(
             out[name] = math.inf
             continue
         own = slopes(left_over(read, windows, len(models)), ends)
+        known = [
+            one and other and replace(one, by_parameters=np.append(one.by_parameters, other.by_parameters))
+            for one, other in zip(plain.priors, priors(models, ends, windows), strict=True)
+        ]
         both = [np.hstack(pair) for pair in zip(plain.by_parameters, own, strict=True)]
-        matrix, gradient, _ = reduced(Linear(plain.residuals, both, plain.by_state), windows, weights)
+        matrix, gradient, _ = reduced(Linear(plain.residuals, both, plain.by_state, known), windows, weights)
         inverse = np.linalg.pinv(matrix[:k, :k]) if k else np.zeros((0, 0))
         left = matrix[k:, k:] - matrix[k:, :k] @ inverse @ matrix[:k, k:]
         g = gradient[k:] - matrix[k:, :k] @ inverse @ gradient[:k]

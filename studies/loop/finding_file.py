@@ -52,11 +52,11 @@ def _candidates(finding: Finding) -> list[dict[str, Any]]:
         beside = list(tried.onto.names)
         for t in tried.trials:
             rival = rivals.get(frozenset(t.names))
-            form, part = next((n, p) for n, p in zip(t.names, t.parts, strict=True) if n not in beside)
+            part = tried.added(t)
             rows.append(
                 {
                     "effect": part.effect,
-                    "form": form,
+                    "form": part.name,
                     "beside": beside,
                     "holdout_error": rival and rival.holdout,
                     "evidence": tried.onto.swing.chi2 - t.swing.chi2,

@@ -187,7 +187,7 @@ def _fit(
     read = read_of(simulator, model, windows)
     for _ in range(how.iterations):
         lin = linearised(simulator, model, parameters, windows, central=how.central, read=read)
-        each = objectives(lin.residuals, windows, how.huber, how.whole)
+        each = objectives(model, lin.residuals, windows, how.huber, how.whole)
         objective = float(each.sum())
         weights = weights_of(lin.residuals, how.huber, how.whole)
         matrix, gradient, back = reduced(lin, windows, weights)
@@ -222,7 +222,7 @@ def _fit(
     left = compared_all(read, windows)
     joined = np.concatenate(left) if left else np.zeros(0)
     return Fit(
-        model, tuple(parameters), tuple(windows), float(objectives(left, windows, how.huber, how.whole).sum()),
+        model, tuple(parameters), tuple(windows), float(objectives(model, left, windows, how.huber, how.whole).sum()),
         math.sqrt(float(np.mean(joined**2))) if joined.size else math.nan, joined.size, converged, tuple(left),
         how.whole,
     )  # fmt: skip
@@ -247,7 +247,7 @@ def _better(
     """
     chosen = list(stepped)
     read = read_of(simulator, model, chosen)
-    each = objectives(compared_all(read, chosen), chosen, how.huber, how.whole)
+    each = objectives(model, compared_all(read, chosen), chosen, how.huber, how.whole)
     for share in (0.25, 0.0):
         worse = np.flatnonzero(each > before)
         if not worse.size:
@@ -260,7 +260,7 @@ def _better(
             for i in map(int, worse)
         ]  # fmt: skip
         there = read_of(simulator, model, other)
-        found = objectives(compared_all(there, other), other, how.huber, how.whole)
+        found = objectives(model, compared_all(there, other), other, how.huber, how.whole)
         for i, window, seen, value in zip(worse, other, there, found, strict=True):
             if value < each[i]:
                 chosen[i], read[i], each[i] = window, seen, value

@@ -61,12 +61,44 @@ def _compared(window: Window, read: Array) -> Array:
 
 
 @dataclass(frozen=True)
+class Prior:
+    """What is known of a lean at release, as one more residual: what the sensor said less what it says of the state."""
+
+    residual: float  # over its standard deviation [1]
+    by_parameters: Array  # shape (parameter,)
+    by_theta: float
+
+
+def prior(model: LoopModel, window: Window) -> float:
+    """The residual that the reading at the start adds [1]; 0 where nothing is known of it."""
+    if not 0.0 < window.theta_sd < math.inf:
+        return 0.0
+    return (window.theta_prior - float(model.reading(window.theta))) / window.theta_sd
+
+
+def priors(
+    models: Sequence[LoopModel], ends: Sequence[tuple[int, int, float]], windows: Sequence[Window]
+) -> list[Prior | None]:
+    """Of each window; `models` and `ends` of `about`."""
+    out: list[Prior | None] = []
+    for w in windows:
+        if not 0.0 < w.theta_sd < math.inf:
+            out.append(None)
+            continue
+        each = [prior(model, w) for model in models]
+        slope = -float(models[0].reading_slope(w.theta)) / w.theta_sd
+        out.append(Prior(each[0], np.array([(each[a] - each[b]) / side for a, b, side in ends]), slope))
+    return out
+
+
+@dataclass(frozen=True)
 class Linear:
     """Residuals and their derivatives, by window: by the inner parameters and by the state at the start."""
 
     residuals: list[Array]
     by_parameters: list[Array]  # shape (sample, parameter)
     by_state: list[Array]  # shape (sample, 2)
+    priors: list[Prior | None]
 
 
 def linearised(
@@ -100,7 +132,7 @@ def linearised(
     by_state = [
         np.column_stack([(r[a][i] - r[b][i]) / (width * step) for a, b, step in state]) for i in range(n)
     ]  # fmt: skip
-    return Linear(r[0], slopes(r, ends), by_state)
+    return Linear(r[0], slopes(r, ends), by_state, priors(models, ends, windows))
 
 
 def about(
@@ -148,9 +180,12 @@ def weights_of(r: Sequence[Array], huber: float, whole: bool) -> Array:
     return weights**2 if whole else weights
 
 
-def objectives(r: Sequence[Array], windows: Sequence[Window], huber: float = HUBER, whole: bool = False) -> Array:
+def objectives(
+    model: LoopModel, r: Sequence[Array], windows: Sequence[Window], huber: float = HUBER, whole: bool = False
+) -> Array:
     """Sum of squares of each window, less than that beyond `huber`, with the prior of its state.
 
+    model: whose sensor reads the state at the start.
     whole: whether windows are whole records, which count by the logarithm.
     """
     out = np.empty(len(windows))
@@ -160,24 +195,13 @@ def objectives(r: Sequence[Array], windows: Sequence[Window], huber: float = HUB
         if rms > huber:
             beyond = huber**2 * (1.0 + 2.0 * math.log(rms / huber)) if whole else 2.0 * huber * rms - huber**2
             square = x.size * beyond
-        out[i] = square
-        if 0.0 < w.theta_sd < math.inf:
-            out[i] += ((w.theta - w.theta_prior) / w.theta_sd) ** 2
+        out[i] = square + prior(model, w) ** 2
     return out
 
 
 def _free(window: Window) -> list[int]:
     """Which of (theta, omega) at the start are unknown."""
     return [k for k, sd in enumerate((window.theta_sd, window.omega_sd)) if sd > 0.0]
-
-
-def _prior(window: Window, free: list[int]) -> tuple[Array, Array]:
-    """Rows that the prior of the state adds: (derivative by the free states, residual)."""
-    rows, values = [], []
-    if 0 in free and window.theta_sd < math.inf:
-        rows.append([-1.0 / window.theta_sd if k == 0 else 0.0 for k in free])
-        values.append((window.theta_prior - window.theta) / window.theta_sd)
-    return np.array(rows).reshape(len(rows), len(free)), np.array(values)
 
 
 @dataclass(frozen=True)
@@ -193,15 +217,19 @@ class _Projected:
     Qr: Array
 
 
-def _projected(r: Array, A: Array, S: Array, window: Window, weight: float) -> _Projected:
+def _projected(r: Array, A: Array, S: Array, window: Window, weight: float, known: Prior | None) -> _Projected:
     free = _free(window)
-    rows, values = _prior(window, free)
-    A = np.vstack([A, np.zeros((len(values), A.shape[1]))])
-    r = np.concatenate([r, values / math.sqrt(weight)])
+    S = S[:, free]
+    if known is not None:
+        # It does not count less where the window does.
+        share = 1.0 / math.sqrt(weight)
+        A = np.vstack([A, share * known.by_parameters])
+        r = np.append(r, share * known.residual)
+        S = np.vstack([S, [share * known.by_theta if k == 0 else 0.0 for k in free]])
     if not free:
         nothing = np.zeros((r.size, 0))
         return _Projected(A, r, nothing, free, np.zeros((0, 0)), np.zeros((0, A.shape[1])), np.zeros(0))
-    Q, R = np.linalg.qr(np.vstack([S[:, free], rows / math.sqrt(weight)]))
+    Q, R = np.linalg.qr(S)
     QA, Qr = Q.T @ A, Q.T @ r
     return _Projected(A - Q @ QA, r - Q @ Qr, Q, free, np.linalg.pinv(R), QA, Qr)
 
@@ -210,8 +238,9 @@ def reduced(lin: Linear, windows: Sequence[Window], weights: Array) -> tuple[Arr
     """Normal equations of the parameters with the states eliminated."""
     n = lin.by_parameters[0].shape[1] if lin.by_parameters else 0
     matrix, gradient, each = np.zeros((n, n)), np.zeros(n), []
-    for r, A, S, w, weight in zip(lin.residuals, lin.by_parameters, lin.by_state, windows, weights, strict=True):
-        part = _projected(r, A, S, w, weight)
+    rows = zip(lin.residuals, lin.by_parameters, lin.by_state, windows, weights, lin.priors, strict=True)
+    for r, A, S, w, weight, known in rows:
+        part = _projected(r, A, S, w, weight, known)
         matrix += weight * (part.A.T @ part.A)
         gradient += weight * (part.A.T @ part.r)
         each.append(part)

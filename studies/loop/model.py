@@ -37,6 +37,9 @@ SLOPE_STEP = 0.01
 MOST_STEPS = 30
 """Of Newton's method; a straight line takes one."""
 
+ALONG = 9
+"""Places between none and a rotation at which its reading has to grow."""
+
 
 @dataclass(frozen=True)
 class LoopModel:
@@ -110,13 +113,18 @@ class LoopModel:
         return np.asarray((8.0 * near - far) / (12.0 * h))
 
     def rotation(self, reading: ArrayLike) -> NDArray[np.float64]:
-        """Rotation [rad] at which the sensor says a reading [rad], of any shape, by Newton's method; NaN if none."""
+        """Rotation [rad] at which the sensor says a reading [rad], of any shape, by Newton's method.
+
+        NaN where the reading does not grow all the way from no rotation to there: it says nothing unique, or never so.
+        """
         wanted = np.asarray(reading, dtype=np.float64)
         theta = wanted.copy()
         with np.errstate(all="ignore"):
             for _ in range(MOST_STEPS):
                 theta = theta + (wanted - self.reading(theta)) / self.reading_slope(theta)
-            return np.where(np.abs(self.reading(theta) - wanted) <= 1e-9 * (1.0 + np.abs(wanted)), theta, np.nan)
+            there = np.abs(self.reading(theta) - wanted) <= 1e-9 * (1.0 + np.abs(wanted))
+            grows = [self.reading_slope(share * theta) > 0.0 for share in np.linspace(0.0, 1.0, ALONG)]
+            return np.where(there & np.all(grows, axis=0), theta, np.nan)
 
     def axis(self, channel: Channel) -> tuple[float, float]:
         """The sensitive axis of an accelerometer on the block as it is mounted, in the block frame, of unit length."""

@@ -119,6 +119,8 @@ def residual_torque(model: LoopModel, simulator: Simulator, record: Record, part
     base = base_at(np, motion, record.time, np.asarray(motion.parameters))
     for k, (part, side) in enumerate(parts):
         t, x = record.time[part], model.rotation(record.rotation[part])
+        if not np.isfinite(x).all():
+            continue  # the sensor of the model cannot say that
         theta, omega = _smooth(t, x)
         there = Base(*(np.broadcast_to(v, record.time.shape)[part] for v in base))
         needed = _acceleration(model, theta, omega, float(side), there)

@@ -5,7 +5,8 @@ explained less by itself explains more.  So each effect is taken out, with the o
 that costs nothing, and where not, those that came near it in its round are tried in its place.
 
 Source   forward selection with elimination and replacement: Miller (2002), Subset Selection in Regression, ch. 3.
-Status   stand-ins of planted pairs are exchanged for what was planted (tests); what whole records decided stays
+Status   stand-ins of planted pairs are exchanged for what was planted (tests); where whole records decided on the last
+         effect nothing is revised
 """
 
 from __future__ import annotations
@@ -61,15 +62,11 @@ def revised(
         shorter = _dropped(setup, stands, others)
         if shorter is not None:
             gone = set(stands.trial.names) - set(shorter.trial.names)
-            said += [f"{readable(name)} was accepted before the others, and is not needed beside them" for name in gone]
+            said += [f"{readable(name)} was accepted at first, and is not needed beside the others" for name in gone]
             stands = shorter
             if len(stands.trial.parts) > 1:
                 continue
             others = [plain]
-        if stands.trial.costly:
-            # A search beside a floor takes long: what the last one says has to be enough.
-            last = sources[stands.trial.names[-1]]
-            return replace(stands, rounds=() if said else (last,), said=tuple(said))
         tried = tuple(
             # The last one of the search was chosen with the others there.
             sources[part.name] if part is trial.parts[-1] and not said
@@ -80,7 +77,7 @@ def revised(
         if better is None:
             return stands
         old, new = next(n for n in stands.trial.names if n not in better.trial.names), better.trial.names[-1]
-        said.append(f"{readable(old)} was accepted first; beside the others {readable(new)} explains more instead")
+        said.append(f"{readable(old)} was accepted at first; beside the others {readable(new)} explains more instead")
         sources[new] = sources.pop(old)
         known.add(frozenset(better.trial.names))
         stands = better
@@ -103,7 +100,7 @@ def _dropped(setup: Setup, stands: Revision, others: Sequence[Trial]) -> Revisio
         if pays(less.swing, stands.trial.swing):
             break
         whole = whole_fit(setup, less, stands.whole)
-        if not explains_more(setup, stands.whole, whole):
+        if not _refused(setup, stands, whole):
             return Revision(less, whole, ())
     return None
 
@@ -112,18 +109,20 @@ def _again(
     setup: Setup, without: Trial, trial: Trial, part: Candidate, source: Round, tell: Callable[[str], None]
 ) -> Round:
     """What came near an effect when it was accepted, tried with the other effects there; the trial itself among it."""
-    if not part.in_swings:
+    # Beside a floor that gives runs take long: what the search found has to be enough.
+    if trial.costly or not part.in_swings:
         return Round(without, [trial])
-    tried = search(setup.simulator, without, _near(source, trial), tell)
+    tried = search(setup.simulator, without, _near(source, trial, part), tell)
     return replace(tried, trials=[*tried.trials, trial])
 
 
-def _near(source: Round, trial: Trial) -> list[Candidate]:
-    """The candidates of a round that explained most in it, without the effects of the trial, one form of each."""
+def _near(source: Round, trial: Trial, own: Candidate) -> list[Candidate]:
+    """The candidates of a round that explained most in it, without the other effects of the trial, one form of each."""
     best: dict[str, Candidate] = {}
+    others = {part.effect for part in trial.parts if part is not own}
     for t in sorted(source.trials, key=lambda t: bic(t.swing)):
         part = t.parts[-1]
-        if part.in_swings and not part.costly and part.effect not in trial.effects:
+        if part.in_swings and not part.costly and part.effect not in others and part.name != own.name:
             best.setdefault(part.effect, part)
     return list(best.values())[:MOST_TRIED]
 
@@ -131,20 +130,35 @@ def _near(source: Round, trial: Trial) -> list[Candidate]:
 def _exchanged(setup: Setup, stands: Revision, known: set[frozenset[str]]) -> tuple[Revision, Revision | None]:
     """The trial with one effect exchanged for another that explains more, or None; first, what stood until then.
 
-    What explains more of the swings and far less of whole records is no rival: it is left out of the rounds.
+    What would take its place and whole records refuse is among what was not refitted, with that reason.
     """
     better: Revision | None = None
     refused: set[frozenset[str]] = set()
-    found = [t for tried in stands.rounds for t in tried.trials if frozenset(t.names) not in known]
+    found = [
+        t for tried in stands.rounds for t in tried.trials
+        # A floor that gives was put to whole records when it was tried.
+        if frozenset(t.names) not in known and (stands.trial.costly or not t.costly)
+    ]  # fmt: skip
     for t in sorted(found, key=lambda t: bic(t.swing)):
         if bic(t.swing) > bic(stands.trial.swing) - TWIN:
             break
         whole = whole_fit(setup, t, stands.whole)
-        if not explains_more(setup, stands.whole, whole):
+        if not _refused(setup, stands, whole):
             better = Revision(t, whole, ())
             break
         refused.add(frozenset(t.names))
-    rounds = (
-        replace(tried, trials=[t for t in tried.trials if frozenset(t.names) not in refused]) for tried in stands.rounds
-    )
-    return replace(stands, rounds=tuple(rounds)), better
+    return replace(stands, rounds=tuple(_set_aside(tried, refused) for tried in stands.rounds)), better
+
+
+def _refused(setup: Setup, stands: Revision, whole: Fit) -> bool:
+    """Whether whole records speak against what would take its place; accelerometers hang too finely on its ends."""
+    return setup.by_rotation and explains_more(setup, stands.whole, whole)
+
+
+def _set_aside(tried: Round, refused: set[frozenset[str]]) -> Round:
+    """The round without the trials that were refused; itself if there are none."""
+    gone = [tried.added(t).name for t in tried.trials if frozenset(t.names) in refused]
+    if not gone:
+        return tried
+    left = [t for t in tried.trials if frozenset(t.names) not in refused]
+    return replace(tried, trials=left, skipped=tried.skipped | dict.fromkeys(gone, "whole records speak against it"))

@@ -5,7 +5,7 @@ Status   twins are named in campaigns where two effects are alike by theory (tes
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from studies.loop.fitting import Fit, fit
@@ -73,16 +73,35 @@ def near(setup: Setup, tried: Round, best: Trial, whole: Fit) -> tuple[Rival, ..
     return tuple(sorted(found, key=lambda r: r.criterion))
 
 
-def twins(rivals: Sequence[Rival]) -> tuple[tuple[str, ...], ...]:
-    """Sets that these data cannot tell apart: an effect of the best and those that may stand in its place."""
+def standing(rivals: Sequence[Rival], refused: Callable[[Rival], bool]) -> tuple[Rival, ...]:
+    """The rivals with the best one first that is not refused; the refused ones among those before it said so.
+
+    refused: whether whole records speak against a rival by far.
+    """
+    by_criterion = sorted(rivals, key=lambda r: r.criterion)
+    for k, rival in enumerate(by_criterion):
+        if not refused(rival):
+            before = (replace(r, refused=True) for r in by_criterion[:k])
+            return (rival, *before, *by_criterion[k + 1 :])
+    return tuple(by_criterion)
+
+
+def twins(rivals: Sequence[Rival], about: Trial | None = None) -> tuple[tuple[str, ...], ...]:
+    """Sets that these data cannot tell apart: an effect and those that may stand in its place.
+
+    Args:
+        rivals: the best first.
+        about: the trial of which each of them has one effect in the place of another; the best one's if not given.
+    """
     if len(rivals) < 2:
         return ()
     best = rivals[0]
+    close = [r for r in rivals if r is best or (not r.refused and r.criterion - best.criterion < TWIN)]
+    centre = next((r.trial for r in close if about is not None and r.trial.names == about.names), best.trial)
     sets: dict[str, list[str]] = {}
-    for r in rivals[1:]:
-        gone, new = (
-            [e for e in one.trial.effects if e not in other.trial.effects] for one, other in ((best, r), (r, best))
-        )
-        if not r.refused and r.criterion - best.criterion < TWIN and len(gone) == len(new) == 1:
+    for r in close:
+        gone = [e for e in centre.effects if e not in r.trial.effects]
+        new = [e for e in r.trial.effects if e not in centre.effects]
+        if len(gone) == len(new) == 1:
             sets.setdefault(gone[0], [gone[0]]).append(new[0])
     return tuple(tuple(dict.fromkeys(names)) for names in sets.values())

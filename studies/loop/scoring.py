@@ -48,10 +48,10 @@ def median(values: Sequence[float]) -> float:
 def leaning(setup: Setup, model: LoopModel, windows: Sequence[Window]) -> list[Window]:
     """Whole windows with leans at release as the model sees them, by what was recorded before the first impact.
 
-    A rotation sensor says the lean itself; accelerometers say it through the model.
+    A rotation sensor says the lean itself, as the model takes that sensor; accelerometers say it through the model.
     """
     if setup.by_rotation:
-        return list(windows)
+        return [_as_read(model, w) if w.theta_sd > 0.0 else w for w in windows]
     out = list(windows)
     free = [k for k, w in enumerate(windows) if w.theta_sd > 0.0]
     parts = [replace(windows[k].until(_first_impact(setup, windows[k])), sd=None) for k in free]
@@ -60,6 +60,12 @@ def leaning(setup: Setup, model: LoopModel, windows: Sequence[Window]) -> list[W
     for i, part in zip(long_enough, found, strict=True):
         out[free[i]] = windows[free[i]].moved(part.theta, part.omega)
     return out
+
+
+def _as_read(model: LoopModel, window: Window) -> Window:
+    """The window from the rotation that its reading at the start stands for; as it is where it stands for none."""
+    theta = float(model.rotation(window.theta_prior))
+    return window.moved(theta, window.omega) if math.isfinite(theta) else window
 
 
 def _first_impact(setup: Setup, window: Window) -> float:

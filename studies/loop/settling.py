@@ -253,7 +253,7 @@ def where_told(one: Fit, other: Fit) -> tuple[float, float, int]:
     told = (least < ROBUST) | ((least < NEARLY * ROBUST) & (most > MENDED * least))
     kept = np.flatnonzero(told) if told.any() else np.arange(told.size)
     first, second = (
-        float(objectives([f.residuals[i] for i in kept], [f.windows[i] for i in kept], ROBUST, True).sum())
+        float(objectives(f.model, [f.residuals[i] for i in kept], [f.windows[i] for i in kept], ROBUST, True).sum())
         for f in (one, other)
     )
     return first, second, sum(one.residuals[i].size for i in kept)

@@ -116,6 +116,10 @@ class Round:
     scores: dict[str, float] = field(default_factory=dict)  # by form of the effect
     put_off: tuple[Candidate, ...] = ()  # of those skipped the ones that `search_costly` tries
 
+    def added(self, trial: Trial) -> Candidate:
+        """What a trial of this round has beyond that on top of which it was tried."""
+        return next(part for part in trial.parts if part.name not in self.onto.names)
+
     @property
     def best(self) -> Trial | None:
         """The trial with the smallest sum of squares, a little in favour of few parameters."""
@@ -271,7 +275,7 @@ def _on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> _First 
     except ValueError as refusal:
         return str(refusal)
     best = min(begun, key=lambda f: f.chi2)
-    before = float(objectives(onto.swing.residuals[::every], some, HUBER).sum())
+    before = float(objectives(onto.swing.model, onto.swing.residuals[::every], some, HUBER).sum())
     return _First(best.model, parameters, before - best.chi2)
 
 
@@ -290,7 +294,7 @@ def _afresh(simulator: Simulator, model: LoopModel, windows: Sequence[Window]) -
     A model that lacks an effect bends the states to what it can do; they are then no place to try the effect from.
     """
     seen = [_as_seen(model, w) for w in windows]
-    fitted, plain = (objectives(residuals(simulator, model, each), each, HUBER) for each in (windows, seen))
+    fitted, plain = (objectives(model, residuals(simulator, model, each), each, HUBER) for each in (windows, seen))
     return [s if b < a else w for w, s, a, b in zip(windows, seen, fitted, plain, strict=True)]
 
 
@@ -341,8 +345,8 @@ def _with_lost_found(simulator: Simulator, found: Fit) -> Fit:
         return found
     there = [found.windows[i] for i in lost]
     again = fit(simulator, found.model, [], [_as_seen(found.model, w) for w in there], iterations=8)
-    now = objectives([found.residuals[i] for i in lost], there, HUBER)
-    better = objectives(again.residuals, again.windows, HUBER) < now
+    now = objectives(found.model, [found.residuals[i] for i in lost], there, HUBER)
+    better = objectives(again.model, again.residuals, again.windows, HUBER) < now
     if not better.any():
         return found
     windows = list(found.windows)

@@ -47,7 +47,7 @@ class Record:
     time: Array  # [s]
     rotation: Array  # reading [rad], NaN where missing, clipped or after a fall; or what accelerometers say of it
     noise: float  # one standard deviation [rad]
-    lean: float  # rotation at the start [rad]
+    lean: float  # reading at the start [rad]
     lean_sd: float  # 0 where the block starts at rest
     found: Segmentation
     channels: tuple[Channel, ...]  # that are compared
@@ -75,7 +75,7 @@ class Window:
     omega: float  # angular velocity at the start [rad/s]
     theta_sd: float  # prior standard deviation about `theta`; inf: free, 0: fixed
     omega_sd: float
-    theta_prior: float = 0.0  # what the prior is about
+    theta_prior: float = 0.0  # reading [rad] that the prior is about
     sd: Array | None = None  # standard deviation of each datum, where it is more than the noise
     sides: NDArray[np.int64] | None = None  # at the times; accelerometers are compared where the model is on this side
     history: tuple[Peak, ...] = ()  # the peaks right before the start, from which slip is carried over

@@ -227,7 +227,7 @@ def _sure(finding: Finding, content: dict[str, Any]) -> list[str]:
 
 def _nearest(finding: Finding, units: str) -> str:
     first, second = finding.rivals[:2]
-    name = readable(second.trial.names[-1]).lower()
+    name = next((readable(n).lower() for n in second.trial.names if n not in first.trial.names), "the other one")
     worse = text.evidence(second.criterion - first.criterion)
     held = text.amount(second.holdout if math.isfinite(second.holdout) else None, units)
     if second.refused:
@@ -243,9 +243,9 @@ def _nearest(finding: Finding, units: str) -> str:
 
 def _rounds(finding: Finding) -> list[dict[str, Any]]:
     out = []
-    for k, tried in enumerate(finding.rounds, 1):
+    for k, tried in enumerate(finding.every_round, 1):
         rows = [
-            {"form": t.names[-1], "evidence": tried.onto.swing.chi2 - t.swing.chi2, "score": t.score, "why": ""}
+            {"form": tried.added(t).name, "evidence": tried.onto.swing.chi2 - t.swing.chi2, "score": t.score, "why": ""}
             for t in tried.trials
         ]
         rows.sort(key=lambda row: -float(row["evidence"]))  # type: ignore[arg-type]

@@ -161,15 +161,16 @@ def reason(row: Content, content: Content, parts: Sequence[str]) -> str:
         content: of loop.json.
         parts: forms of the effects in the model after.
     """
-    if row.get("form", row["effect"]) in parts:
+    same = [r for r in content["candidates"] if r["beside"] == row["beside"]]
+    best = max((r["evidence"] or 0.0 for r in same), default=0.0)
+    if row["form"] in parts and ({row["form"], *row["beside"]} == set(parts) or row["evidence"] == best):
         return "in the model after"
     if "not_refitted" in row:
         why = str(row["not_refitted"])
         return f"not refitted: its {why} is too small" if why.startswith("score ") else f"not refitted: {why}"
-    if any(row["effect"] in names for names in content["indistinguishable"]):
+    beside = {name.partition("[")[0] for name in row["beside"]}
+    if any(row["effect"] in names and not beside & set(names) for names in content["indistinguishable"]):
         return "cannot be told apart from what was chosen"
-    same = [r for r in content["candidates"] if r["beside"] == row["beside"]]
-    best = max((r["evidence"] or 0.0 for r in same), default=0.0)
     own = row["evidence"] or 0.0
     if own < NOTHING:
         return "explains nothing"

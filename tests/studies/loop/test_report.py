@@ -219,6 +219,8 @@ def test_reasons():
         {"effect": name, "form": name, "evidence": evidence, "beside": ["base_tilt"]}
         for name, evidence in (("viscous_damping", 50.0), ("quadratic_drag", 20.0))
     ]
+    # What may stand in the place of the tilt may not do so in that of the damping.
+    rows.append({"effect": "eccentric_mass", "form": "eccentric_mass", "evidence": 10.0, "beside": ["base_tilt"]})
     content = {"verdict": "effect", "candidates": rows, "indistinguishable": [["base_tilt", "eccentric_mass"]]}
     assert [reason(row, content, ("base_tilt", "viscous_damping")) for row in rows] == [
         "in the model after",
@@ -229,6 +231,7 @@ def test_reasons():
         "not refitted: its score 1.2 is too small",
         "in the model after",
         "explains 40 % of what the best one does",
+        "explains 20 % of what the best one does",
     ]
 
 

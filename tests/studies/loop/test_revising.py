@@ -66,7 +66,7 @@ def test_an_effect_that_stood_for_another_one_is_left_out() -> None:
     second, both = on_top(setup, stand_in, "quadratic_drag")
     found = revised(setup, plain, both, whole_fit(setup, both), [first, second], quiet)
     assert found.trial.effects == ("quadratic_drag",)
-    assert found.said == ("Viscous damping was accepted before the others, and is not needed beside them",)
+    assert found.said == ("Viscous damping was accepted at first, and is not needed beside the others",)
     assert [r.onto.effects for r in found.rounds] == [()]
     assert bic(found.trial.swing) == pytest.approx(min(bic(t.swing) for t in first.trials), abs=1.0)
 
@@ -80,7 +80,7 @@ def test_a_stand_in_that_was_accepted_first_gives_way() -> None:
     found = revised(setup, plain, both, whole_fit(setup, both), [first, second], quiet)
     assert set(found.trial.effects) == {"rounded_edges", "quadratic_drag"}
     assert found.trial.swing.model.get("rounded_edges.radius") == pytest.approx(0.004, rel=0.05)
-    assert "Concave base was accepted first; beside the others Rounded edges explains more instead" in found.said
+    assert "Concave base was accepted at first; beside the others Rounded edges explains more instead" in found.said
     assert bic(found.trial.swing) < bic(both.swing) - 60.0
     # Of each effect: what was tried beside the other one.
     assert [len(r.onto.parts) for r in found.rounds] == [1, 1]
@@ -128,10 +128,42 @@ def test_what_whole_records_refuse_neither_goes_nor_comes(monkeypatch: pytest.Mo
     monkeypatch.setattr(revising, "whole_fit", lambda setup, trial, whole: trial.names)
     monkeypatch.setattr(revising, "explains_more", lambda setup, one, other: True)
 
-    found = revised(SimpleNamespace(simulator=None), plain, both, both.names, [first, second], quiet)  # type: ignore[arg-type]
+    found = revised(SimpleNamespace(simulator=None, by_rotation=True), plain, both, both.names, [first, second], quiet)  # type: ignore[arg-type]
     assert found.trial is both and found.said == ()
-    # What they refuse is no rival either.
+    # What they refuse is no rival either, and it is said why.
     assert [t.names for r in found.rounds for t in r.trials] == [both.names, both.names]
+    assert found.rounds[1].skipped == {"drag": "whole records speak against it"}
+    # Accelerometers do not ask them.
+    blind = SimpleNamespace(simulator=None, by_rotation=False)
+    assert revised(blind, plain, both, both.names, [first, second], quiet).trial.names == ("damping",)  # type: ignore[arg-type]
+
+
+def test_a_floor_that_was_put_off_does_not_come_in_without_whole_records(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain, lag = stub(chi2=5000.0), stub("lag", chi2=4000.0)
+    both, floor = stub("lag", "damping", chi2=1000.0), stub("lag", "floor", chi2=900.0)
+    floor.costly = True  # type: ignore[misc]
+    monkeypatch.setattr(revising, "_without", lambda s, p, trial, k: stub(trial.names[1 - k], chi2=4000.0))
+    monkeypatch.setattr(revising, "search", lambda s, onto, pool, tell: Round(onto, []))
+    rounds = [Round(plain, [lag]), Round(lag, [both, floor])]
+    found = revised(SimpleNamespace(simulator=None, by_rotation=True), plain, both, both.names, rounds, quiet)  # type: ignore[arg-type]
+    assert found.trial is both and floor in found.rounds[1].trials
+
+
+def test_another_form_of_an_effect_may_take_its_place() -> None:
+    pitch, drag = (SimpleNamespace(name=n, effect=e) for n, e in (("pitch[a]", "pitch"), ("drag", "drag")))
+    trial = SimpleNamespace(parts=(pitch, drag))
+
+    def tried(name: str, effect: str, chi2: float) -> SimpleNamespace:
+        part = SimpleNamespace(name=name, effect=effect, in_swings=True, costly=False)
+        return SimpleNamespace(parts=(part,), swing=SimpleNamespace(chi2=chi2, parameters=(), samples=100))
+
+    source = SimpleNamespace(
+        trials=[
+            tried("pitch[a]", "pitch", 10.0), tried("pitch[b]", "pitch", 11.0), tried("drag", "drag", 12.0),
+            tried("gain", "gain", 13.0),
+        ]
+    )  # fmt: skip
+    assert [c.name for c in revising._near(source, trial, pitch)] == ["pitch[b]", "gain"]  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -187,3 +219,6 @@ def test_twins_are_named_by_what_they_take_the_place_of() -> None:
         rival("tilt", criterion=101.0),  # one less: it takes nobody's place
     )
     assert twins(found) == (("tilt", "mass", "offset"), ("drag", "damping"))
+    # A twin that comes first by a little leaves the others those of the trial about which they were tried.
+    first = rival("drag", "mass", criterion=99.0)
+    assert twins((first, *found), stub("tilt", "drag", chi2=0.0)) == (("tilt", "mass"), ("drag", "damping"))
