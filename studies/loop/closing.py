@@ -25,7 +25,7 @@ from studies.loop.preparing import Setup, prepare
 from studies.loop.revising import Revision, revised
 from studies.loop.rivals import Rival, near_all, standing, twins
 from studies.loop.scoring import Errors, errors, leaning, median
-from studies.loop.settling import Settled, gain, intervals, settle, whole_fit
+from studies.loop.settling import Settled, gain, intervals, settle, telling, whole_fit
 from studies.loop.spread import floor, variances
 from studies.loop.tracing import (
     LEAST_GAIN,
@@ -262,7 +262,8 @@ def _accepted(
     likely = best is not None and pays(onto.swing, best.swing)
     if best is not None and likely:
         now = whole_fit(setup, best)
-        if gain(setup, whole, now) > LEAST_GAIN:
+        # Where another effect is missing still, all records may be lost with this one and without it.
+        if gain(setup, whole, now) > LEAST_GAIN or not telling(whole, now).any():
             accepted = best, now
     # Whole records are rugged: where swings say nothing, or one fit of whole records does not bear them out, or leaves
     # far too much, these have more to say.

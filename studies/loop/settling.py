@@ -243,14 +243,19 @@ def gain(setup: Setup, without: Fit, found: Fit) -> float:
     return 1.0 - math.sqrt(with_it / without_it)
 
 
-def where_told(one: Fit, other: Fit) -> tuple[float, float, int]:
-    """Chi-square of two fits of whole records, and the samples, without the records that say nothing, unless all do so.
+def telling(one: Fit, other: Fit) -> NDArray[np.bool_]:
+    """Which records tell two fits of whole records apart, shape (record,).
 
     How far off a block is after it went the other way, or fell in the last second, is chance: a record that is lost in
     both fits is told by one of them only if that nearly explains it, and the other one does so by far less.
     """
     least, most = np.minimum(one.by_window, other.by_window), np.maximum(one.by_window, other.by_window)
-    told = (least < ROBUST) | ((least < NEARLY * ROBUST) & (most > MENDED * least))
+    return np.asarray((least < ROBUST) | ((least < NEARLY * ROBUST) & (most > MENDED * least)))
+
+
+def where_told(one: Fit, other: Fit) -> tuple[float, float, int]:
+    """Chi-square of two fits of whole records, and the samples, where records are `telling`; everywhere if none is."""
+    told = telling(one, other)
     kept = np.flatnonzero(told) if told.any() else np.arange(told.size)
     first, second = (
         float(objectives(f.model, [f.residuals[i] for i in kept], [f.windows[i] for i in kept], ROBUST, True).sum())

@@ -23,6 +23,7 @@ HOSTILE = "<b onload=alert(1)>&amp;'\""
 MOTION = '"><img src=x onerror=alert(2)>'
 RESTITUTION = 0.92
 TILT = 0.006
+DRAG = 0.4
 
 
 def _free(id, theta, rng, effects, duration=2.4):
@@ -57,9 +58,8 @@ def _campaign(effects):
     return Campaign(TITLE, declared, Conditions(restitution=0.91), channels, (*tests, shaken, blind))
 
 
-def _found(effects):
+def _found(effects, wanted=("base_tilt", "quadratic_drag")):
     """The finding with a short list of candidates, on a campaign that was written and read."""
-    wanted = ("base_tilt", "quadratic_drag")
     with pytest.MonkeyPatch.context() as patch, TemporaryDirectory() as folder:
         few = tuple(c for c in candidates(DeclaredBlock(0.15, 0.5, 0.25, BLOCK.mass)) if c.name in wanted)
         patch.setattr(closing, "all_candidates", lambda model: few)
@@ -70,6 +70,13 @@ def _found(effects):
 def tilted():
     """A finding on a block whose floor is not level."""
     return _found((load("base_tilt")(angle=TILT),))
+
+
+@cache
+def both():
+    """A finding on a block whose floor is not level and that drag holds back, with a twin of each to choose from."""
+    effects = (load("base_tilt")(angle=TILT), load("quadratic_drag")(coefficient=DRAG))
+    return _found(effects, ("base_tilt", "quadratic_drag", "eccentric_mass", "viscous_damping"))
 
 
 @cache

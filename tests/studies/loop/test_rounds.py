@@ -124,6 +124,31 @@ def stubs(monkeypatch):
     return told
 
 
+@pytest.mark.parametrize(
+    ("before", "after", "accepted"),
+    [
+        # All records are lost with it and without it, since another effect is missing: swings decide.
+        ((20.0, 29.0, 30.0, 6.6), (37.0, 41.0, 27.0, 9.2), True),
+        # Of two that are not lost one gets worse: they do not bear it out.
+        ((1.5, 2.0, 27.0, 6.6), (1.5, 2.5, 30.0, 9.2), False),
+        # One gets worse that was nearly explained.
+        ((6.0, 29.0, 30.0, 6.6), (20.0, 41.0, 27.0, 9.2), False),
+    ],
+)
+def test_what_swings_pay_for_is_accepted_where_whole_records_say_nothing(stubs, before, after, accepted):
+    tilt = trial("tilt", 100.0, 3.0)
+    stubs.whole = {"tilt": whole(*after)}
+    found = closing._accepted(
+        SimpleNamespace(simulator=None, by_rotation=True),
+        PLAIN,
+        whole(*before),
+        Round(PLAIN, [tilt]),
+        (),
+        lambda t: None,
+    )
+    assert (found[0] is not None) is accepted
+
+
 def rival(made, criterion, found):
     return Rival(made, found, criterion, math.nan, math.nan)
 
