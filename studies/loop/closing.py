@@ -25,7 +25,7 @@ from studies.loop.preparing import Setup, prepare
 from studies.loop.revising import Revision, revised
 from studies.loop.rivals import Rival, near_all, standing, twins
 from studies.loop.scoring import Errors, errors, leaning, median
-from studies.loop.settling import Settled, gain, intervals, settle, telling, whole_fit
+from studies.loop.settling import Settled, gain, intervals, reweighed, settle, telling, whole_fit
 from studies.loop.spread import floor, variances
 from studies.loop.tracing import (
     LEAST_GAIN,
@@ -107,7 +107,7 @@ class Finding:
     @property
     def every_round(self) -> tuple[Round, ...]:
         """The rounds of the search, and those in which effects were tried again in the place of others."""
-        return (*self.rounds, *(r for r in self.deciding if all(r is not known for known in self.rounds)))
+        return (*self.rounds, *(r for r in self.deciding if all(r.onto is not known.onto for known in self.rounds)))
 
     @property
     def learned(self) -> tuple[Curve, ...]:
@@ -164,7 +164,7 @@ def close(
     windows = {"declared": setup.whole, "before": before.whole.windows, "after": after.whole.windows}
     all_errors = {name: errors(setup, model, windows[name]) for name, model in models.items()}
     scored = [scored_window(setup.records, w) for w in leaning(setup, after.whole.model, setup.whole_held)]
-    spread = variances(setup.noisy, len(campaign.tests), after.whole.model, scored, _lean_sds(setup))
+    spread = variances(setup.noisy, len(campaign.tests), after.whole.model, scored, _lean_sds(setup, after.whole.model))
     floors = [floor(w, v) for w, v in zip(scored, spread, strict=True)]
     return Finding(
         setup, verdict, declared, models["before"], models["after"], before.whole, after.whole, chosen, rivals,
@@ -263,7 +263,7 @@ def _accepted(
     if best is not None and likely:
         now = whole_fit(setup, best)
         # Where another effect is missing still, all records may be lost with this one and without it.
-        if gain(setup, whole, now) > LEAST_GAIN or not telling(whole, now).any():
+        if gain(setup, whole, now) > LEAST_GAIN or not telling(now, reweighed(setup, whole, now)).any():
             accepted = best, now
     # Whole records are rugged: where swings say nothing, or one fit of whole records does not bear them out, or leaves
     # far too much, these have more to say.
@@ -450,6 +450,8 @@ def _unseen(setup: Setup) -> tuple[str, ...]:
     )
 
 
-def _lean_sds(setup: Setup) -> list[float]:
+def _lean_sds(setup: Setup, model: LoopModel) -> list[float]:
+    """Standard deviations of the leans of held-out tests [rad], as the model takes the sensor that read them."""
     # `theta_sd` is twice the standard deviation of the estimate.
-    return [0.5 * w.theta_sd for w in setup.whole_held]
+    slopes = (float(model.reading_slope(w.theta)) if w.lean_read else 1.0 for w in setup.whole_held)
+    return [0.5 * w.theta_sd / abs(slope) for w, slope in zip(setup.whole_held, slopes, strict=True)]

@@ -62,7 +62,10 @@ def _compared(window: Window, read: Array) -> Array:
 
 @dataclass(frozen=True)
 class Prior:
-    """What is known of a lean at release, as one more residual: what the sensor said less what it says of the state."""
+    """What is known of a lean at release, as one more residual: what the sensor said less what it says of the state.
+
+    Where the sensor said nothing: the rotation that was aimed at less that of the state.
+    """
 
     residual: float  # over its standard deviation [1]
     by_parameters: Array  # shape (parameter,)
@@ -70,10 +73,11 @@ class Prior:
 
 
 def prior(model: LoopModel, window: Window) -> float:
-    """The residual that the reading at the start adds [1]; 0 where nothing is known of it."""
+    """The residual that what is known of the start adds [1]; 0 where nothing is."""
     if not 0.0 < window.theta_sd < math.inf:
         return 0.0
-    return (window.theta_prior - float(model.reading(window.theta))) / window.theta_sd
+    said = float(model.reading(window.theta)) if window.lean_read else window.theta
+    return (window.theta_prior - said) / window.theta_sd
 
 
 def priors(
@@ -86,8 +90,9 @@ def priors(
             out.append(None)
             continue
         each = [prior(model, w) for model in models]
-        slope = -float(models[0].reading_slope(w.theta)) / w.theta_sd
-        out.append(Prior(each[0], np.array([(each[a] - each[b]) / side for a, b, side in ends]), slope))
+        slope = float(models[0].reading_slope(w.theta)) if w.lean_read else 1.0
+        rows = np.array([(each[a] - each[b]) / side for a, b, side in ends])
+        out.append(Prior(each[0], rows, -slope / w.theta_sd))
     return out
 
 

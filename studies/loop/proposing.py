@@ -105,7 +105,8 @@ def _question(finding: Finding) -> _Question | None:
         other = "the model with what was learned" if learned else f"the one with {_named(finding.chosen.names)}"
         return _Question((finding.before, finding.after), f"the calibrated ideal block and {other}")
     if len(finding.rivals) > 1:
-        first, second = finding.rivals[:2]
+        first, *others = finding.rivals
+        second = next((r for r in others if not r.refused), others[0])
         words = f"{_named(first.trial.names)} and {_named(second.trial.names)}"
         return _Question((first.whole.model, second.whole.model), words)
     widest, ratio = "", 0.0

@@ -59,7 +59,7 @@ def revised(
     while True:
         tell("looking again at what was accepted first")
         others = [_without(setup, plain, stands.trial, k) for k in range(len(stands.trial.parts))]
-        shorter = _dropped(setup, stands, others)
+        shorter = _dropped(setup, stands, others) if len(stands.trial.parts) > 1 else None
         if shorter is not None:
             gone = set(stands.trial.names) - set(shorter.trial.names)
             said += [f"{readable(name)} was accepted at first, and is not needed beside the others" for name in gone]

@@ -74,16 +74,20 @@ def near(setup: Setup, tried: Round, best: Trial, whole: Fit) -> tuple[Rival, ..
 
 
 def standing(rivals: Sequence[Rival], refused: Callable[[Rival], bool]) -> tuple[Rival, ...]:
-    """The rivals with the best one first that is not refused; the refused ones among those before it said so.
+    """The rivals, the best one first that is not refused.
+
+    One that is refused is a twin still where swings do not tell it from the best: whole records are rugged.  Where they
+    would prefer it by more, it counts as refused, and comes last.
 
     refused: whether whole records speak against a rival by far.
     """
     by_criterion = sorted(rivals, key=lambda r: r.criterion)
-    for k, rival in enumerate(by_criterion):
-        if not refused(rival):
-            before = (replace(r, refused=True) for r in by_criterion[:k])
-            return (rival, *before, *by_criterion[k + 1 :])
-    return tuple(by_criterion)
+    first = next((r for r in by_criterion if not refused(r)), None)
+    if first is None:
+        return tuple(by_criterion)
+    before = [r for r in by_criterion if r.criterion < first.criterion - TWIN]
+    others = [r for r in by_criterion if r is not first and all(r is not b for b in before)]
+    return (first, *others, *(replace(r, refused=True) for r in before))
 
 
 def twins(rivals: Sequence[Rival], about: Trial | None = None) -> tuple[tuple[str, ...], ...]:

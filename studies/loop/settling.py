@@ -235,11 +235,15 @@ def _apart(minima: Sequence[Fit], by_sensor: Array, covariance: Array) -> Array:
     return np.asarray((away.T * weights) @ away / weights.sum(), dtype=np.float64)
 
 
+def reweighed(setup: Setup, other: Fit, found: Fit) -> Fit:
+    """A fit of whole records under the standard deviations of another one, as it is."""
+    windows = [replace(w, sd=o.sd) for w, o in zip(other.windows, found.windows, strict=True)]
+    return fit(setup.simulator, other.model, [], windows, whole=True, iterations=0)
+
+
 def gain(setup: Setup, without: Fit, found: Fit) -> float:
     """Share by which a fit of whole records lowers the rms, what is far off counting little, of one without it [1]."""
-    windows = [replace(w, sd=o.sd) for w, o in zip(without.windows, found.windows, strict=True)]
-    plain = fit(setup.simulator, without.model, [], windows, whole=True, iterations=0)
-    with_it, without_it, _ = where_told(found, plain)
+    with_it, without_it, _ = where_told(found, reweighed(setup, without, found))
     return 1.0 - math.sqrt(with_it / without_it)
 
 

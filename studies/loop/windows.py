@@ -56,6 +56,7 @@ class Record:
     noises: Array  # their standard deviations, shape (channel, time)
     felt: Array | None = None  # what the base sensor's noise does to them sample by sample, shape (channel, time)
     sides: NDArray[np.int64] | None = None  # +1, -1, 0 at rest, `ANY_SIDE` where not known, shape (time,)
+    lean_read: bool = True  # whether the lean was read by the sensor; else it is the rotation that was aimed at
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,8 @@ class Window:
     omega: float  # angular velocity at the start [rad/s]
     theta_sd: float  # prior standard deviation about `theta`; inf: free, 0: fixed
     omega_sd: float
-    theta_prior: float = 0.0  # reading [rad] that the prior is about
+    theta_prior: float = 0.0  # reading [rad] that the prior is about, or rotation if it was not read
+    lean_read: bool = True  # which of the two
     sd: Array | None = None  # standard deviation of each datum, where it is more than the noise
     sides: NDArray[np.int64] | None = None  # at the times; accelerometers are compared where the model is on this side
     history: tuple[Peak, ...] = ()  # the peaks right before the start, from which slip is carried over
@@ -131,7 +133,7 @@ def cut(record: Record, number: int, start: float, stop: float, **state: Any) ->
         record: the record.
         number: its index among the records.
         start, stop: [s]; the window's runs begin at `start`.
-        state: `theta`, `omega`, `theta_sd`, `omega_sd`, `theta_prior` of the window.
+        state: `theta`, `omega`, `theta_sd`, `omega_sd`, `theta_prior`, `lean_read` of the window.
     """
     first, last = np.searchsorted(record.time, [start - 1e-12, stop + 1e-12])
     seen = np.isfinite(record.observed[:, first:last])
@@ -156,23 +158,23 @@ def record_of(test: Test, index: int, noise: float, balance: float) -> Record | 
     rotation = np.where(usable, reading, np.nan)
     if int(usable.sum()) < 20:
         return None
-    lean, sd = 0.0, 0.0
+    lean, sd, read = 0.0, 0.0, True
     if test.kind == "free":
-        lean, sd = _lean(test, rotation, noise)
+        lean, sd, read = _lean(test, rotation, noise)
     channel = test.channel("rotation")
     assert channel is not None
     return Record(
         index, test.kind, test.time, rotation, noise, lean, sd, segment(test.time, rotation, noise), (channel,),
-        rotation[None, :], rotation[None, :], np.full((1, rotation.size), noise),
+        rotation[None, :], rotation[None, :], np.full((1, rotation.size), noise), lean_read=read,
     )  # fmt: skip
 
 
-def _lean(test: Test, rotation: Array, noise: float) -> tuple[float, float]:
-    """Lean at release and its standard deviation [rad]: from the first samples, or as it was aimed at."""
+def _lean(test: Test, rotation: Array, noise: float) -> tuple[float, float, bool]:
+    """Lean at release and its standard deviation [rad], and whether it was read in the first samples or aimed at."""
     found = state(test.time, rotation, float(test.time[0]), noise, widest=0.1)
     if found is None:
-        return float(test.initial_rotation or 0.0), RELEASE_SD
-    return found.rotation, max(2.0 * math.sqrt(float(found.covariance[0, 0])), 0.5 * noise)
+        return float(test.initial_rotation or 0.0), RELEASE_SD, False
+    return found.rotation, max(2.0 * math.sqrt(float(found.covariance[0, 0])), 0.5 * noise), True
 
 
 def with_accelerometers(record: Record, test: Test, noises: Mapping[str, float]) -> Record:
@@ -208,7 +210,7 @@ def scored_window(records: Sequence[Record], window: Window) -> Window:
     )  # fmt: skip
     return cut(
         own, number, window.start, float(record.time[-1]), theta=window.theta, omega=window.omega,
-        theta_sd=window.theta_sd, omega_sd=window.omega_sd, theta_prior=window.theta_prior,
+        theta_sd=window.theta_sd, omega_sd=window.omega_sd, theta_prior=window.theta_prior, lean_read=window.lean_read,
     )  # fmt: skip
 
 
@@ -257,7 +259,7 @@ def whole_windows(records: Sequence[Record]) -> list[Window]:
     return [
         cut(
             record, number, float(record.time[0]), float(record.time[-1]), theta=record.lean, omega=0.0,
-            theta_sd=record.lean_sd, omega_sd=0.0, theta_prior=record.lean,
+            theta_sd=record.lean_sd, omega_sd=0.0, theta_prior=record.lean, lean_read=record.lean_read,
         )
         for number, record in enumerate(records)
     ]  # fmt: skip

@@ -21,7 +21,7 @@ from studies.loop.model import MOUNTING
 from studies.loop.names import OWN, page, parameter_units, readable
 from studies.loop.report import figures, tables, text
 from studies.loop.rivals import TWIN
-from studies.loop.tracing import LEAST_GAIN, PAYS
+from studies.loop.tracing import LEAST_GAIN, PAYS, bic
 from studies.running.files import write_whole
 
 TEMPLATE = "report.html.jinja"
@@ -226,19 +226,21 @@ def _sure(finding: Finding, content: dict[str, Any]) -> list[str]:
 
 
 def _nearest(finding: Finding, units: str) -> str:
-    first, second = finding.rivals[:2]
+    first, *others = finding.rivals
+    second = next((r for r in others if not r.refused), others[0])
     name = next((readable(n).lower() for n in second.trial.names if n not in first.trial.names), "the other one")
-    worse = text.evidence(second.criterion - first.criterion)
+    by = second.criterion - first.criterion
+    apart = f"{'better' if by < 0.0 else 'worse'} by {text.evidence(abs(by))}"
     held = text.amount(second.holdout if math.isfinite(second.holdout) else None, units)
     if second.refused:
         own = text.evidence(second.whole_criterion - first.whole_criterion)
+        of_swings = first.criterion == bic(first.trial.swing)
+        where = "in single swings" if of_swings else "where the noise of the base leaves them predictable"
         return (
-            f"The nearest rival, {name}, fits worse by {own} in chi-square over whole records, "
-            f"{'better' if second.criterion < first.criterion else 'worse'} by "
-            f"{text.evidence(abs(second.criterion - first.criterion))} where the noise of the base leaves them "
-            f"predictable; its held-out error is {held}."
+            f"The nearest rival, {name}, fits worse by {own} in chi-square over whole records, {apart} {where}; its "
+            f"held-out error is {held}."
         )
-    return f"The nearest rival, {name}, fits worse by {worse} in chi-square; its held-out error is {held}."
+    return f"The nearest rival, {name}, fits {apart} in chi-square; its held-out error is {held}."
 
 
 def _rounds(finding: Finding) -> list[dict[str, Any]]:

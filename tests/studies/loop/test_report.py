@@ -3,6 +3,7 @@
 import dataclasses
 import re
 from html.parser import HTMLParser
+from types import SimpleNamespace
 
 import found
 import numpy as np
@@ -13,8 +14,9 @@ from studies.loop.dataset import dataset
 from studies.loop.finding_file import as_json
 from studies.loop.names import page, readable
 from studies.loop.report.figures import Points, binned
-from studies.loop.report.page import report, write_report
+from studies.loop.report.page import _nearest, report, write_report
 from studies.loop.report.text import evidence, number, reason, with_interval
+from studies.loop.rivals import Rival
 
 SECTIONS = (
     "verdict", "error", "measured", "histories", "residual", "found", "sure", "ruled-out", "twins", "notes", "next",
@@ -233,6 +235,25 @@ def test_reasons():
         "explains 40 % of what the best one does",
         "explains 20 % of what the best one does",
     ]
+
+
+@pytest.mark.parametrize(
+    ("refused", "criterion", "said"),
+    [
+        (False, 108.8, "The nearest rival, eccentric mass, fits worse by 8.8 in chi-square; its held-out error is"),
+        (False, 95.0, "The nearest rival, eccentric mass, fits better by 5 in chi-square; its held-out error is"),
+        (True, 50.0, "fits worse by 8500 in chi-square over whole records, better by 50 in single swings; its"),
+    ],
+)
+def test_the_nearest_rival_is_named_by_what_it_has_instead(refused, criterion, said):
+    swing = SimpleNamespace(chi2=100.0, parameters=(), samples=10)
+
+    def rival(names, criterion, whole, refused=False):
+        return Rival(SimpleNamespace(names=names, swing=swing), None, criterion, whole, 5e-4, refused)
+
+    best = rival(("base_tilt", "quadratic_drag"), 100.0, 1000.0)
+    finding = SimpleNamespace(rivals=(best, rival(("quadratic_drag", "eccentric_mass"), criterion, 9500.0, refused)))
+    assert said in _nearest(finding, "rad")
 
 
 def test_bins_hold_all_points_and_their_errors_are_of_weighted_means():

@@ -177,6 +177,24 @@ def test_a_floor_that_was_put_off_does_not_come_in_without_whole_records(monkeyp
     assert made.trial is both and floor in made.rounds[1].trials
 
 
+def test_one_effect_that_is_left_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a pair one is needed, another is better in its place, and without that one little more would be missed."""
+    plain, first, both = stub(chi2=1075.0), stub("a", chi2=1070.0), stub("a", "b", chi2=1000.0)
+    alone, better = stub("b", chi2=1055.0), stub("c", chi2=1030.0)
+
+    def without(setup: object, block: Trial, trial: Trial, k: int) -> Trial:
+        left = trial.names[1 - k] if len(trial.names) > 1 else ""
+        return {"a": first, "b": alone, "": plain}[left]
+
+    monkeypatch.setattr(revising, "_without", without)
+    monkeypatch.setattr(revising, "search", lambda s, onto, pool, tell: Round(onto, [better]))
+    monkeypatch.setattr(revising, "whole_fit", lambda setup, trial, whole: trial.names)
+    rounds = [Round(plain, [first, alone]), Round(first, [both])]
+    made = revised(SimpleNamespace(simulator=None, by_rotation=False), plain, both, both.names, rounds, quiet)  # type: ignore[arg-type]
+    assert made.trial is better and len(made.said) == 2
+    assert [r.onto.names for r in made.rounds] == [()]
+
+
 def test_another_form_of_an_effect_may_take_its_place() -> None:
     pitch, drag = (SimpleNamespace(name=n, effect=e) for n, e in (("pitch[a]", "pitch"), ("drag", "drag")))
     trial = SimpleNamespace(parts=(pitch, drag))

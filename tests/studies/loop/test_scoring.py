@@ -3,6 +3,7 @@
 Decays of the laboratory, whose rotations a sensor of our own turns into readings; noise is its only other error.
 """
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -16,7 +17,7 @@ from studies.loop.linearising import linearised
 from studies.loop.model import LoopModel
 from studies.loop.parameters import Parameter
 from studies.loop.preparing import Setup, prepare
-from studies.loop.scoring import errors
+from studies.loop.scoring import errors, leaning
 from studies.loop.tracing import E
 
 BREADTH, HEIGHT, MASS, RESTITUTION, NOISE, STEP = 0.2, 0.6, 30.0, 0.93, 1e-4, 0.004
@@ -85,3 +86,23 @@ def test_the_prior_of_a_lean_has_the_derivatives_of_the_reading() -> None:
         expected = [-0.01 * w.theta / w.theta_sd, 0.0, -1e-3 / w.theta_sd]
         assert prior.by_parameters == pytest.approx(expected, rel=1e-6, abs=1e-6)
     assert linearised(setup.simulator, model, parameters, setup.swings[:2]).priors == [None, None]
+
+
+def test_a_lean_that_was_aimed_at_is_a_rotation_and_no_reading() -> None:
+    """The sensor says nothing in the first tenth of a second."""
+    setup = read_by("gain")
+    tests = [
+        replace(t, data={"rotation": np.where(t.time < 0.15, np.nan, t.data["rotation"])}) for t in setup.campaign.tests
+    ]
+    silent = prepare(replace(setup.campaign, tests=tuple(tests)), IDEAL)
+    model = LoopModel(DECLARED, RESTITUTION, SENSORS["gain"][0], G)
+    p = Parameter("rotation_gain.gain", 0.01)
+    [prior, *_] = linearised(silent.simulator, model, [p], silent.whole).priors
+    first = silent.whole[0]
+    assert prior is not None and not first.lean_read
+    assert first.theta_prior == LEANS[first.test]
+    assert prior.residual == 0.0 and prior.by_parameters == pytest.approx([0.0])
+    assert prior.by_theta == pytest.approx(-1.0 / first.theta_sd)
+    assert [w.theta for w in leaning(silent, model, silent.whole_held)] == [LEANS[w.test] for w in silent.whole_held]
+    read = leaning(setup, model, setup.whole_held)
+    assert [w.theta for w in read] == pytest.approx([LEANS[w.test] for w in read], abs=1e-4)

@@ -96,7 +96,7 @@ def test_records_that_are_lost_with_and_without_an_effect_say_nothing_of_it():
     def fit(*values):
         residuals = tuple(np.full(50, value) for value in values)
         windows = tuple(SimpleNamespace(theta_sd=0.0) for _ in values)
-        return SimpleNamespace(by_window=np.array(values), residuals=residuals, windows=windows)
+        return SimpleNamespace(model=None, by_window=np.array(values), residuals=residuals, windows=windows)
 
     # As met where friction gives way: one record begins with an impact while sliding, of which the laws are many.
     assert _explains(fit(1.0, 1.1, 31.0, 0.9, 1.7, 1.0), fit(1.0, 1.0, 38.3, 0.9, 4.1, 2.2))
