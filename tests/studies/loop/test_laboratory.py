@@ -239,6 +239,14 @@ def test_first_impact_of_a_block_whose_foot_slips_is_that_of_the_package() -> No
         assert abs(ours - event.simulate(WORLD, AT_REST, STEP, 4, 0.2).impacts[0, 0]) > 1e-4
 
 
+def test_a_block_whose_foot_slips_starts_from_its_lean_and_falls_back_alike_from_either_side() -> None:
+    right, left = (slip.simulate(replace(WORLD, friction=0.2), AT_REST, STEP, 4, lean) for lean in (LEAN, -LEAN))
+    assert right.rotation[0] == pytest.approx(LEAN) and left.rotation[0] == pytest.approx(-LEAN)
+    assert left.rotation[:2000] == pytest.approx(-right.rotation[:2000], abs=1e-12)
+    # Housner's first interval: the block goes back, not over.
+    assert 0.0 < right.rotation[50] < LEAN
+
+
 def test_a_block_with_little_friction_slides_and_never_rocks() -> None:
     """Constant 4 m/s^2 against mu g with mu = 0.2 < b / h: the difference is the slip's acceleration."""
     response = slip.simulate(replace(WORLD, friction=0.2), floor(STILL + 4.0), STEP, 4, 0.0)
