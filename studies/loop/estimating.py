@@ -82,8 +82,8 @@ def gains(
     for name, parameters in candidates.items():
         try:
             models, ends = about(model_of[name], parameters, True)
-            if all(up and down for up, down, _ in ends):  # no slope is one-sided
-                models, ends = models[1:], [(up - 1, down - 1, side) for up, down, side in ends]
+            if all(e.beside for e in ends):
+                models, ends = models[1:], [e._replace(up=e.up - 1, down=e.down - 1) for e in ends]
             read = [x for model in models for x in read_of(simulator, model, windows)]
         except ValueError:
             out[name] = math.inf
@@ -109,7 +109,8 @@ def robust_covariance(simulator: Simulator, noisy: Simulator, found: Fit) -> Arr
     put between two inverses of the information.  Windows are taken as independent.  Where the model misses records by
     more than the noise, what it misses goes together within a record: the gradients that the records leave, one against
     another, are put between as well; of too few records the whole is taken times the mean square that is left.  The
-    information of a record that counts less is that of its weight, somewhat more than it has.
+    information of a record that counts less is that of its weight, somewhat more than it has; slopes are cautious
+    (`linearised`), since one window that goes another way a difference apart would else have all the information.
 
     Args:
         simulator: of the fit.
@@ -120,7 +121,7 @@ def robust_covariance(simulator: Simulator, noisy: Simulator, found: Fit) -> Arr
         Covariance in the outer scale, shape (parameter, parameter).
     """
     windows, model = found.windows, found.model
-    lin = linearised(simulator, model, found.parameters, windows)
+    lin = linearised(simulator, model, found.parameters, windows, cautious=True)
     weights = weights_of(lin.residuals, ROBUST if found.whole else HUBER, found.whole)
     matrix, _, each = reduced(lin, windows, weights)
     count = len(simulator.tests)

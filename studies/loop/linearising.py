@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +40,9 @@ HUBER = 3.0
 
 ROBUST = 4.0
 """The same for whole records, which count by the logarithm beyond it."""
+
+UNLIKE = 0.5
+"""Slopes to both sides that differ by more than this share of the smallest one are not of one tangent."""
 
 
 def residuals(simulator: Simulator, model: LoopModel, windows: Sequence[Window]) -> list[Array]:
@@ -80,9 +84,21 @@ def prior(model: LoopModel, window: Window) -> float:
     return (window.theta_prior - said) / window.theta_sd
 
 
-def priors(
-    models: Sequence[LoopModel], ends: Sequence[tuple[int, int, float]], windows: Sequence[Window]
-) -> list[Prior | None]:
+class Ends(NamedTuple):
+    """Models a difference away in one parameter, by their index; 0 is the one that is not moved."""
+
+    up: int
+    down: int
+    apart: float  # how far they are apart, in scales of the parameter
+    above: float  # how much of that is above
+
+    @property
+    def beside(self) -> bool:
+        """Whether both are moved."""
+        return self.up != 0 and self.down != 0
+
+
+def priors(models: Sequence[LoopModel], ends: Sequence[Ends], windows: Sequence[Window]) -> list[Prior | None]:
     """Of each window; `models` and `ends` of `about`."""
     out: list[Prior | None] = []
     for w in windows:
@@ -91,7 +107,7 @@ def priors(
             continue
         each = [prior(model, w) for model in models]
         slope = float(models[0].reading_slope(w.theta)) if w.lean_read else 1.0
-        rows = np.array([(each[a] - each[b]) / side for a, b, side in ends])
+        rows = np.array([(each[e.up] - each[e.down]) / e.apart for e in ends])
         out.append(Prior(each[0], rows, -slope / w.theta_sd))
     return out
 
@@ -113,11 +129,14 @@ def linearised(
     windows: Sequence[Window],
     *,
     central: bool = True,
+    cautious: bool = False,
     read: Sequence[Array] | None = None,
 ) -> Linear:
     """Residuals of all windows and their derivatives by differences: central ones, or one-sided at a bound.
 
     central: False for one-sided differences everywhere, which cost half and serve a step of a fit.
+    cautious: where a window moves otherwise to one side than to the other, as one does whose contacts chatter, the
+        slope by a parameter is the smallest of both and their mean: two ways to go are no slope.
     read: what the channels read there, if that is known.
     """
     n = len(windows)
@@ -137,13 +156,11 @@ def linearised(
     by_state = [
         np.column_stack([(r[a][i] - r[b][i]) / (width * step) for a, b, step in state]) for i in range(n)
     ]  # fmt: skip
-    return Linear(r[0], slopes(r, ends), by_state, priors(models, ends, windows))
+    return Linear(r[0], slopes(r, ends, cautious), by_state, priors(models, ends, windows))
 
 
-def about(
-    model: LoopModel, parameters: Sequence[Parameter], central: bool
-) -> tuple[list[LoopModel], list[tuple[int, int, float]]]:
-    """A model and those a difference away; for each parameter the two to take apart, and how far they are apart."""
+def about(model: LoopModel, parameters: Sequence[Parameter], central: bool) -> tuple[list[LoopModel], list[Ends]]:
+    """A model and those a difference away, and which of them belong to each parameter."""
     models, ends = [model], []
     for p in parameters:
         at, step = p.inner(model.get(p.name)), p.coarser * STEP
@@ -154,7 +171,7 @@ def about(
         for value in (up, down):
             place.append(0 if value == model.get(p.name) else len(models))
             models += [model.changed({p.name: value})] if place[-1] else []
-        ends.append((place[0], place[1], p.inner(up) - p.inner(down)))
+        ends.append(Ends(place[0], place[1], p.inner(up) - p.inner(down), p.inner(up) - at))
     return models, ends
 
 
@@ -170,12 +187,29 @@ def left_over(read: Sequence[Array], windows: Sequence[Window], count: int) -> l
     return r
 
 
-def slopes(r: Sequence[Sequence[Array]], ends: Sequence[tuple[int, int, float]]) -> list[Array]:
-    """Derivatives by the parameters, by window, shape (sample, parameter)."""
+def slopes(r: Sequence[Sequence[Array]], ends: Sequence[Ends], cautious: bool = False) -> list[Array]:
+    """Derivatives by the parameters, by window, shape (sample, parameter); `cautious` as of `linearised`."""
+    one = _smallest if cautious else _chord
     return [
-        np.column_stack([(r[a][i] - r[b][i]) / side for a, b, side in ends]) if ends else np.zeros((r[0][i].size, 0))
+        np.column_stack([one([own[i] for own in r], e) for e in ends]) if ends else np.zeros((r[0][i].size, 0))
         for i in range(len(r[0]))
     ]
+
+
+def _chord(r: Sequence[Array], e: Ends) -> Array:
+    return np.asarray((r[e.up] - r[e.down]) / e.apart)
+
+
+def _smallest(r: Sequence[Array], e: Ends) -> Array:
+    """The chord, or where the slopes to both sides are not alike the smallest of the three."""
+    chord = _chord(r, e)
+    if not e.beside:
+        return chord
+    above, below = (r[e.up] - r[0]) / e.above, (r[0] - r[e.down]) / (e.apart - e.above)
+    each = (chord, above, below)
+    size = [float(np.linalg.norm(x)) for x in each]
+    unlike = np.linalg.norm(above - below) > UNLIKE * min(size)
+    return np.asarray(each[int(np.argmin(size))]) if unlike else chord
 
 
 def weights_of(r: Sequence[Array], huber: float, whole: bool) -> Array:

@@ -100,7 +100,9 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
         both = np.array([p.inner(minima[0].model.get(p.name)) for p in parameters])
     known = {p.name: p.outer(float(v)) for p, v in zip(parameters, both, strict=True)}
     if trial.costly and minima and _spoilt(setup, whole.model.changed(known), trial.swing.model, minima[0]):
-        known = minima[0].values
+        # Swings have many starts; a minimum of whole records that they refuse is one among many.
+        one = len(fits) - 1 if _still_fits(setup, trial, minima[0].model) else 0
+        known, joint = fits[one].values, _placed(names, fits[one], covariances[one])
     model = whole.model.changed(known)
     leans = fit_records(setup.simulator, model, [], whole.windows, iterations=4)
     scale = np.array([p.slope(known[p.name]) for p in parameters])
@@ -132,6 +134,14 @@ def _joined(names: Sequence[str], fits: Sequence[Fit], covariances: Sequence[Arr
         weighted[at] += information @ _numbers(found)[seen]
     joint = np.linalg.pinv(total, rcond=1e-14)
     return np.asarray(joint @ weighted), np.asarray(joint)
+
+
+def _placed(names: Sequence[str], found: Fit, covariance: Array) -> Array:
+    """The covariance of a fit in scales of the parameters, at their places; 0 for those that it does not have."""
+    at = [names.index(p.name) for p in found.parameters]
+    out = np.zeros((len(names), len(names)))
+    out[np.ix_(at, at)] = _inner(found, covariance)
+    return out
 
 
 def _disagreement(fits: Sequence[Fit], covariances: Sequence[Array]) -> float:

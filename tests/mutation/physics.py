@@ -94,7 +94,7 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("rocking/effect.py", EFFECTS),
     ("rocking/motion.py", ("test_trajectory", "effects/test_base_effects", *METHOD1)),
     ("rocking/scalars.py", (*METHOD1, *METHOD2)),
-    ("rocking/solvers/exact/jax*.py", ("test_devices", *EXACT)),
+    ("rocking/solvers/exact/jax*.py", ("test_lanes_of_devices", "test_devices", *EXACT)),
     ("rocking/solvers/exact/*.py", EXACT),
     ("rocking/solvers/piecewise/*.py", (*EXACT, *TAYLOR)),
     ("rocking/solvers/arrays.py", TAYLOR),

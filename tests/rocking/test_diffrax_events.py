@@ -130,3 +130,13 @@ def test_the_32_bits_of_other_jax_code_stay_32_bits() -> None:
     after = double(jax.numpy.ones(3))
     assert before.dtype == after.dtype == jax.numpy.asarray(1.0).dtype == np.float32
     assert not jax.config.jax_enable_x64
+
+
+# Hairer, Norsett & Wanner (1993), eq. (II.4.11), by hand: scales 1e-6 + 2e-3 and 1e-6 + 0.5e-3.
+def test_an_error_is_taken_over_the_larger_state_of_a_step_and_the_absolute_tolerance() -> None:
+    from rocking.solvers.diffrax.steps import error_norm
+
+    found = error_norm(np.array([1e-3, 1e-4]), np.array([-2.0, 0.1]), np.array([1.0, -0.5]), 1e-3, 1e-6)
+    assert float(found) == pytest.approx(np.sqrt(0.5 * ((1e-3 / 2.001e-3) ** 2 + (1e-4 / 5.01e-4) ** 2)), rel=1e-6)
+    alone = error_norm(np.array([3e-6, 4e-6]), np.zeros(2), np.zeros(2), 1e-3, 1e-6)
+    assert float(alone) == pytest.approx(np.sqrt(12.5), rel=1e-6)

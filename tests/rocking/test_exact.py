@@ -367,3 +367,16 @@ def test_between_tilts_called_clear_there_is_no_impact(p: float, dt: float, step
     assert plan.clear == pytest.approx(sagged, rel=1e-5)
     assert plan.clear >= sagged
     assert plan.longest == pytest.approx(1.0 / (12.0 * p))
+
+
+# Two pushes with a long rest between: what is saved while the block stands must not take the place of what follows.
+def test_a_block_that_rests_between_two_pushes_is_saved_as_scipy_saves_it() -> None:
+    values = np.zeros(400)
+    values[10:20], values[300:312] = 4.0, -4.0
+    system, times = linear(0.2, 0.8, restitution=0.3), np.arange(0.0, 4.6, 0.01)
+    run, other = (
+        solve(system, Straight(0.0, 0.0125, values), t_end=4.6, save_at=times, solver=solver)
+        for solver in ("exact", "scipy")
+    )
+    assert run.theta[280] == 0.0 and np.abs(run.theta[320:]).max() > 0.02
+    np.testing.assert_allclose(run.theta, other.theta, rtol=0.0, atol=1e-7)

@@ -203,3 +203,15 @@ def test_the_mirror_image_moves_as_the_mirror_image_to_the_last_bit(
     np.testing.assert_array_equal(runs[0].events.t, runs[1].events.t)
     np.testing.assert_array_equal(runs[0].y, -runs[1].y)
     np.testing.assert_array_equal(runs[0].s[runs[0].mode != Mode.REST], -runs[1].s[runs[1].mode != Mode.REST])
+
+
+# (alpha - theta)^2 - (omega/p)^2 is kept until the first impact.  At the start omega in rad/s is more than any tilt.
+@pytest.mark.parametrize("solver", ["numba", "scipy", "diffrax", "exact"])
+def test_the_largest_tilt_after_a_push_is_that_of_the_first_integral(solver: str) -> None:
+    system = Method1(Block(b=0.2, h=0.8), form="linear", restitution=0.8)
+    alpha, p = system.block.alpha, system.block.p(system.g)
+    theta, omega = 0.02, 0.4
+    crest = alpha - math.sqrt((alpha - theta) ** 2 - (omega / p) ** 2)
+    assert theta < crest < omega
+    run = solve(system, theta=theta, omega=omega, t_end=1.5, solver=solver)
+    assert run.peak_rotation == pytest.approx(crest, abs=1e-7)

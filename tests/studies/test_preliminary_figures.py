@@ -115,6 +115,16 @@ def test_the_fit_finds_a_dashpot_that_was_planted():
     assert found.damping == pytest.approx(planted, rel=0.01) and found.misfit < 2e-3
 
 
+# The misfit is a parabola in the logarithm of the ratio, whose bottom lies on either side of the nearest ratio tried.
+@pytest.mark.parametrize("planted", [0.08, 0.13])
+def test_the_fit_is_finer_than_the_ratios_that_are_tried(monkeypatch, planted):
+    monkeypatch.setattr(fig05_fit, "misfit", lambda released, target, ratio, k: 0.01 + np.log(ratio / planted) ** 2)
+    released = Released(specimen(1), 0.4, 2.0)
+    found = fitted(released, np.zeros(3), [0.05, 0.1, 0.2], STIFFNESS)
+    assert found.damping == pytest.approx(released.dashpot(planted, STIFFNESS), rel=1e-3)
+    assert found.misfit == pytest.approx(0.01, abs=1e-6)
+
+
 def test_the_closest_curve_and_the_loss_of_energy_ask_for_the_same_dashpot():
     # Two criteria of one thing: the history of the top over 3 s, and the energy after four swings.
     released = Released(specimen(1), 0.4, 3.0)

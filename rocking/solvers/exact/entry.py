@@ -34,7 +34,7 @@ def single_record(par, head, values, start, save_at, max_events, room):
     head = (t_first, dt), start = (mode, s, x, v, t_start, t_end).
     """
     bends, peaks = prepared(values)
-    record = Record(values, bends, peaks, head[0], head[1], 1.0 / head[1], 1.0)
+    record = Record(values, bends, peaks, head[0], head[1], 1.0 / head[1])
     log = new_log(save_at, room)
     body = Body(int(start[0]), start[1], start[2], start[3])
     tally, body = run_record(par, record, body, start[4], start[5], max_events, log)

@@ -37,13 +37,12 @@ SCAN = 64
 class Record(NamedTuple):
     """A base acceleration that is linear between equally spaced samples, and zero outside."""
 
-    values: Any  # [m/s^2] before scaling, shape (sample,)
+    values: Any  # [m/s^2], shape (sample,)
     bends: Any  # second differences of the values, shape (sample,)
     peaks: Any  # largest |value| of each BLOCK of samples
     t_first: float
     dt: float
     per_dt: float
-    scale: float
 
 
 class Sine(NamedTuple):
@@ -74,7 +73,7 @@ def new_plan(par, dt, a_max, max_events):
 
 @numba.njit(error_model="numpy")
 def next_push(record, k, threshold):
-    """First sample from k on whose unscaled |value| exceeds the threshold; the number of samples if there is none."""
+    """First sample from k on whose |value| exceeds the threshold; the number of samples if there is none."""
     n = record.values.size
     while k < n:
         if k % BLOCK == 0 and record.peaks[k // BLOCK] <= threshold:
@@ -99,7 +98,7 @@ def scan_record(plan, body, record, k, k_stop, tally, log):
     if not clear < body.x <= watch:
         return k, body
     values, bends = record.values, record.bends
-    f = body.s * record.scale * plan.per_g
+    f = body.s * plan.per_g
     ramp = f * record.per_dt
     slope = ramp * (values[k + 1] - values[k])
     z, zd = body.x - fma(f, values[k], plan.alpha), (body.v - slope) * plan.per_p
@@ -113,12 +112,11 @@ def scan_record(plan, body, record, k, k_stop, tally, log):
         x_end = fma(f, values[k + 1], plan.alpha) + (u_end + w_end)
         if not clear < x_end <= watch:
             break
-        if log is not None:
-            v = fma(plan.p, u - w, ramp * (values[k + 1] - values[k]))
-            keep_flight(
-                plan, Body(ROTATION, body.s, x, v), record.t_first + k * record.dt, record.dt,
-                line_of(record, k), None, tally, log,
-            )  # fmt: skip
+        v = fma(plan.p, u - w, ramp * (values[k + 1] - values[k]))
+        keep_flight(
+            plan, Body(ROTATION, body.s, x, v), record.t_first + k * record.dt, record.dt, line_of(record, k), None,
+            tally, log,
+        )  # fmt: skip
         x = x_end
         k += 1
         bend = kick * bends[k]
@@ -132,8 +130,7 @@ def scan_record(plan, body, record, k, k_stop, tally, log):
 @numba.njit(error_model="numpy")
 def line_of(record, k):
     """(a at its begin, slope) of interval k."""
-    a = record.scale * record.values[k]
-    return a, (record.scale * record.values[k + 1] - a) * record.per_dt
+    return record.values[k], (record.values[k + 1] - record.values[k]) * record.per_dt
 
 
 @numba.njit(error_model="numpy")
@@ -147,7 +144,7 @@ def carry_record(plan, body, record, t_start, t_end, tally, log):
     k = min(max(int((t - record.t_first) / dt), 0), n - 1) if t < t_end else n - 1
     start = max(t - (record.t_first + k * dt), 0.0)
     whole = min(int(max(t_end - record.t_first, 0.0) / dt), n - 1) if t < t_end else 0
-    threshold = plan.a_rest / max(abs(record.scale), 1e-300) * (1.0 - 1e-12)
+    threshold = plan.a_rest * (1.0 - 1e-12)
     while k < n - 1 and tally[STATUS] == REACHED_END:
         t_k = record.t_first + k * dt
         if t_k >= t_end:
@@ -155,7 +152,7 @@ def carry_record(plan, body, record, t_start, t_end, tally, log):
         if start == 0.0 and body.mode == REST:
             k_push = next_push(record, k, threshold)
             ahead = max(min(k_push - 1, n - 1), k)
-            if ahead > k and log is not None:
+            if ahead > k:
                 carry(plan, body, t_k, 0.0, (ahead - k) * dt, quiet, None, tally, log)
             k = ahead
             if k >= whole and k_push >= n:
@@ -232,10 +229,9 @@ def scan_sine(plan, body, sine, dt, k, k_stop, tally, log):
         x_end = plan.alpha + (C * t * sn_end + D * cs_end) + (u_end + w_end)
         if not clear < x_end <= watch:
             break
-        if log is not None:
-            y_v = (C - D * sine.omega) * sn + C * (k * dt) * sine.omega * cs
-            there = Body(ROTATION, body.s, x, plan.p * (u - w) + y_v)
-            keep_flight(plan, there, k * dt, dt, (0.0, 0.0), sine, tally, log)
+        y_v = (C - D * sine.omega) * sn + C * (k * dt) * sine.omega * cs
+        there = Body(ROTATION, body.s, x, plan.p * (u - w) + y_v)
+        keep_flight(plan, there, k * dt, dt, (0.0, 0.0), sine, tally, log)
         x = x_end
         u, w, sn, cs = u_end, w_end, sn_end, cs_end
         k += 1
@@ -270,8 +266,7 @@ def carry_sine(plan, body, sine, t_start, t_end, tally, log):
         if start == 0.0 and body.mode == REST:
             ahead = next_shake(plan, sine, dt, k, n)
             if ahead > k:
-                if log is not None:
-                    carry(plan, body, k * dt, 0.0, min(ahead * dt, last) - k * dt, quiet, None, tally, log)
+                carry(plan, body, k * dt, 0.0, min(ahead * dt, last) - k * dt, quiet, None, tally, log)
                 k = ahead
                 continue
         elif start == 0.0:
@@ -294,7 +289,7 @@ def run_record(par, record, body, t_start, t_end, max_events, log):
     a_max = 0.0
     for peak in record.peaks:
         a_max = max(a_max, peak)
-    plan = new_plan(par, record.dt, a_max * abs(record.scale), max_events)
+    plan = new_plan(par, record.dt, a_max, max_events)
     tally = new_tally(body, plan, t_start, t_end)
     body = carry_record(plan, body, record, t_start, t_end, tally, log)
     return tally, body

@@ -143,7 +143,7 @@ def note(tally, log, t, guard, before, after, max_events):
     """Count an event, write it down if there is room, and end the run if it is one too many."""
     i = int(tally[EVENTS])
     tally[EVENTS] += 1.0
-    if log is not None and i < log.event_t.size:
+    if i < log.event_t.size:
         log.event_t[i] = t
         log.event_code[i, 0], log.event_code[i, 1], log.event_code[i, 2] = guard, before.mode, after.mode
         log.event_s[i] = after.s
@@ -218,8 +218,7 @@ def carry(plan, body, t0, start, stop, line, sine, tally, log):
     while tau < stop and tally[STATUS] == REACHED_END:
         if body.mode == REST:
             at, sign = tip(plan, t0, tau, stop, line, sine)
-            if log is not None:
-                keep(tally, log, body, standing(body), t0, min(at, stop))
+            keep(tally, log, body, standing(body), t0, min(at, stop))
             if at > stop:
                 return body
             before, body = body, Body(ROTATION, -sign, 0.0, 0.0)
@@ -237,8 +236,7 @@ def carry(plan, body, t0, start, stop, line, sine, tally, log):
         fall = NONE
         if max(body.x, x_end) > tally[WATCH] - plan.bulge * h * h:
             fall = look_up(plan, body, c, t0 + tau, reach, x_end, v_end, tally, log)
-        if log is not None:
-            keep(tally, log, body, c, t0 + tau, min(fall, reach))
+        keep(tally, log, body, c, t0 + tau, min(fall, reach))
         if fall <= reach:
             body = Body(body.mode, body.s, 0.5 * math.pi, value(derivative(c), fall))
             note(tally, log, t0 + tau + fall, FALL, body, body, plan.max_events)

@@ -16,7 +16,7 @@ from studies.campaigns import Channel, DeclaredBlock, Test
 from studies.loop.candidates import candidates
 from studies.loop.estimating import DISAGREEING, gains, robust_covariance
 from studies.loop.fitting import _moved, fit
-from studies.loop.linearising import linearised
+from studies.loop.linearising import Ends, linearised, slopes
 from studies.loop.model import LoopModel
 from studies.loop.parameters import Parameter
 from studies.loop.simulation import Job, Simulator
@@ -95,6 +95,22 @@ def test_derivatives_through_impacts_do_not_depend_on_the_step(
     coarse = linearised(simulator, model(TRUE_C), [E, DRAG], windows[:6])
     for a, b in zip(fine.by_parameters, coarse.by_parameters, strict=True):
         np.testing.assert_allclose(a, b, rtol=0.0, atol=0.01 * float(np.abs(b).max()))
+
+
+# By hand: three windows, moved by 0.1 to both sides.  The first is straight; the second goes another way above, the
+# third to both sides, so that the chord of the two is the smallest slope.
+def test_where_a_window_goes_another_way_to_one_side_the_smallest_slope_counts() -> None:
+    def run(*readings: float) -> list[np.ndarray]:
+        return [np.array([x, 0.0]) for x in readings]
+
+    r = [run(1.0, 1.0, 1.0), run(1.2, 9.0, 9.0), run(0.8, 0.7, 9.1)]
+    two_sided, one_sided = [Ends(1, 2, 0.2, 0.1)], [Ends(1, 0, 0.1, 0.1)]
+    assert [float(a[0, 0]) for a in slopes(r, two_sided)] == pytest.approx([2.0, 41.5, -0.5])
+    assert [float(a[0, 0]) for a in slopes(r, two_sided, cautious=True)] == pytest.approx([2.0, 3.0, -0.5])
+    assert [float(a[0, 0]) for a in slopes(r, one_sided, cautious=True)] == pytest.approx([2.0, 80.0, 80.0])
+    # To a side that is cut short by a bound the distance is what is left.
+    uneven = [Ends(1, 2, 0.15, 0.05)]
+    assert float(slopes([run(1.0), run(1.1), run(0.0)], uneven, cautious=True)[0][0, 0]) == pytest.approx(2.0)
 
 
 def test_planted_restitution_and_drag_are_recovered_within_their_intervals(

@@ -143,3 +143,34 @@ def test_estimates_put_together_are_refused_where_they_explain_far_less_than_eit
     models: Any = ("both", "swings")
     assert _spoilt(setup, *models, best) is spoilt
     assert asked == [("both", [], ("w",)), ("swings", [], ("w",))]
+
+
+@pytest.mark.parametrize(("refused", "value"), [(True, 2.0), (False, 2.6)])
+def test_where_estimates_do_not_go_together_the_minimum_counts_that_swings_bear(
+    monkeypatch: pytest.MonkeyPatch, refused: bool, value: float
+) -> None:
+    """By hand: 0.6 apart with variances of 0.01 and 0.03 are a Birge ratio of 3, that widens the one that stays."""
+    k = Parameter("k", 1.0)
+
+    class Model(SimpleNamespace):
+        def get(self, name: str) -> float:
+            return float(self.k)
+
+        def changed(self, values: dict[str, float]) -> Any:
+            return Model(**values)
+
+    def at(number: float) -> Any:
+        return SimpleNamespace(model=Model(k=number), parameters=(k,), values={"k": number}, windows=())
+
+    swing, minimum = at(2.0), at(2.6)
+    trial: Any = SimpleNamespace(swing=swing, every=(k,), costly=True)
+    setup: Any = SimpleNamespace(by_rotation=True, simulator=None, noisy=None)
+    variance = {id(swing): 0.01, id(minimum): 0.03}
+    monkeypatch.setattr(settling, "_while_predictable", lambda *_: [minimum])
+    monkeypatch.setattr(settling, "robust_covariance", lambda _, __, f: np.array([[variance[id(f)]]]))
+    monkeypatch.setattr(settling, "_spoilt", lambda *_: True)
+    monkeypatch.setattr(settling, "_still_fits", lambda *_: not refused)
+    monkeypatch.setattr(settling, "fit_records", lambda simulator, model, *_, **__: SimpleNamespace(model=model))
+    found = settling.settle(setup, trial, at(2.3))
+    assert found.whole.model.get("k") == value
+    assert found.covariance[0, 0] == pytest.approx(9.0 * variance[id(swing if refused else minimum)])
