@@ -220,16 +220,17 @@ def _texts(values: list[str]) -> NDArray[np.object_]:
 def candidates(finding: Finding) -> xr.Dataset:
     """Scores and evidence of each form of an effect in each round; NaN where it was not tried."""
     rounds = finding.every_round
-    forms = list(dict.fromkeys(f for r in rounds for f in (*(r.added(t).name for t in r.trials), *r.skipped)))
+    forms = list(dict.fromkeys(f for r in rounds for f in (*(r.added(t).name for t, _ in r.tried), *r.skipped)))
     shape = (len(rounds), len(forms))
     evidence, score, held = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
-    reason = np.full(shape, "", dtype=object)
+    reason, refused = np.full(shape, "", dtype=object), np.zeros(shape, dtype=bool)
     holdout = {frozenset(rival.trial.names): rival.holdout for rival in finding.rivals}
     for i, tried in enumerate(rounds):
-        for trial in tried.trials:
+        for trial, set_aside in tried.tried:
             j = forms.index(tried.added(trial).name)
             evidence[i, j] = tried.onto.swing.chi2 - trial.swing.chi2
             score[i, j], held[i, j] = trial.score, holdout.get(frozenset(trial.names), math.nan)
+            refused[i, j] = set_aside
         for form, why in tried.skipped.items():
             reason[i, forms.index(form)] = why
     two = ("round", "form")
@@ -238,6 +239,11 @@ def candidates(finding: Finding) -> xr.Dataset:
         "score": (two, score, {"units": "1", "long_name": "fall of chi-square to first order, before the refit"}),
         "holdout_error": (two, held, {"units": finding.units, "long_name": "median rms error over held-out tests"}),
         "not_refitted": (two, reason, {"long_name": "why it was not refitted"}),
+        "refused": (
+            two,
+            refused,
+            {"long_name": "whether swings would have taken it and whole records speak against it"},
+        ),
         "onto": ("round", _texts([", ".join(r.onto.names) for r in rounds]), {"long_name": "effects there already"}),
         "effect": ("form", _texts([form.partition("[")[0] for form in forms]), {"long_name": "name of the effect"}),
     }

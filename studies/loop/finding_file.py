@@ -12,6 +12,9 @@ from studies.loop.closing import Finding
 from studies.loop.model import MOUNTING
 from studies.running.files import save_text
 
+REFUSED = "whole records speak against it"
+"""What swings would have taken and is no rival."""
+
 
 def as_json(finding: Finding, next_test: str) -> dict[str, Any]:
     """The finding as plain values; NaN becomes null."""
@@ -50,7 +53,7 @@ def _candidates(finding: Finding) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     for tried in finding.deciding:
         beside = list(tried.onto.names)
-        for t in tried.trials:
+        for t, refused in tried.tried:
             rival = rivals.get(frozenset(t.names))
             part = tried.added(t)
             rows.append(
@@ -62,6 +65,7 @@ def _candidates(finding: Finding) -> list[dict[str, Any]]:
                     "evidence": tried.onto.swing.chi2 - t.swing.chi2,
                     "criterion": rival and rival.criterion,
                     "whole_criterion": rival and rival.whole_criterion,
+                    **({"refused": REFUSED} if refused else {}),
                 }
             )
         rows += [

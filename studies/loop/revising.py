@@ -130,7 +130,7 @@ def _near(source: Round, trial: Trial, own: Candidate) -> list[Candidate]:
 def _exchanged(setup: Setup, stands: Revision, known: set[frozenset[str]]) -> tuple[Revision, Revision | None]:
     """The trial with one effect exchanged for another that explains more, or None; first, what stood until then.
 
-    What would take its place and whole records refuse is among what was not refitted, with that reason.
+    What would take its place and whole records refuse is set aside in its round.
     """
     better: Revision | None = None
     refused: set[frozenset[str]] = set()
@@ -156,9 +156,7 @@ def _refused(setup: Setup, stands: Revision, whole: Fit) -> bool:
 
 
 def _set_aside(tried: Round, refused: set[frozenset[str]]) -> Round:
-    """The round without the trials that were refused; itself if there are none."""
-    gone = [tried.added(t).name for t in tried.trials if frozenset(t.names) in refused]
-    if not gone:
-        return tried
+    """The round with these trials among those that were refused."""
+    gone = tuple(t for t in tried.trials if frozenset(t.names) in refused)
     left = [t for t in tried.trials if frozenset(t.names) not in refused]
-    return replace(tried, trials=left, skipped=tried.skipped | dict.fromkeys(gone, "whole records speak against it"))
+    return replace(tried, trials=left, refused=(*tried.refused, *gone))

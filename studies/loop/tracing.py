@@ -115,6 +115,12 @@ class Round:
     skipped: dict[str, str] = field(default_factory=dict)  # form of the effect: why it was not refitted
     scores: dict[str, float] = field(default_factory=dict)  # by form of the effect
     put_off: tuple[Candidate, ...] = ()  # of those skipped the ones that `search_costly` tries
+    refused: tuple[Trial, ...] = ()  # what swings would have taken and whole records speak against
+
+    @property
+    def tried(self) -> list[tuple[Trial, bool]]:
+        """All that was tried, each with whether it was refused."""
+        return [*((t, False) for t in self.trials), *((t, True) for t in self.refused)]
 
     def added(self, trial: Trial) -> Candidate:
         """What a trial of this round has beyond that on top of which it was tried."""

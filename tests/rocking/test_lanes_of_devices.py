@@ -62,6 +62,11 @@ def test_chatter_has_as_many_impacts_as_flights_followed_one_by_one() -> None:
     # From steady pulls to those that change by a tenth of the tilt, with and without a bow.
     rise = rng.choice([-1.0, 1.0], LANES) * alpha * 10.0 ** rng.uniform(-6.0, -1.0, LANES) / series
     bow = rng.choice([-1.0, 0.0, 1.0], LANES) * alpha * 10.0 ** rng.uniform(-5.0, -1.3, LANES) / series**2
+    # Of a third both are left out to the same amount, so that a bound has to take their sum.
+    bow[::3] = (
+        alpha[::3] * rng.choice([-1.0, 1.0], LANES)[::3] * rng.uniform(0.005, 0.08, LANES)[::3] / series[::3] ** 2
+    )
+    rise[::3] = np.sign(rise[::3]) * alpha[::3] * np.sqrt(0.5 * np.abs(bow) * series**2 / alpha)[::3] / series[::3]
     with jax.enable_x64(True):
         fixed: Any = SimpleNamespace(p2=p2, alpha=alpha, e=e, omega_rest=last)
         moving: Any = SimpleNamespace(peak=jnp.full(LANES, math.inf), impacts=jnp.zeros(LANES, dtype=int))

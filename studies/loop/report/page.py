@@ -17,6 +17,7 @@ from markupsafe import Markup
 
 from studies.campaigns import Campaign
 from studies.loop.closing import Finding
+from studies.loop.finding_file import REFUSED
 from studies.loop.model import MOUNTING
 from studies.loop.names import OWN, page, parameter_units, readable
 from studies.loop.report import figures, tables, text
@@ -247,8 +248,13 @@ def _rounds(finding: Finding) -> list[dict[str, Any]]:
     out = []
     for k, tried in enumerate(finding.every_round, 1):
         rows = [
-            {"form": tried.added(t).name, "evidence": tried.onto.swing.chi2 - t.swing.chi2, "score": t.score, "why": ""}
-            for t in tried.trials
+            {
+                "form": tried.added(t).name,
+                "evidence": tried.onto.swing.chi2 - t.swing.chi2,
+                "score": t.score,
+                "why": REFUSED if refused else "",
+            }
+            for t, refused in tried.tried
         ]
         rows.sort(key=lambda row: -float(row["evidence"]))  # type: ignore[arg-type]
         rows += [{"form": f, "evidence": None, "score": None, "why": why} for f, why in tried.skipped.items()]

@@ -161,7 +161,9 @@ def reason(row: Content, content: Content, parts: Sequence[str]) -> str:
         content: of loop.json.
         parts: forms of the effects in the model after.
     """
-    same = [r for r in content["candidates"] if r["beside"] == row["beside"]]
+    if "refused" in row:
+        return str(row["refused"])
+    same = [r for r in content["candidates"] if r["beside"] == row["beside"] and "refused" not in r]
     best = max((r["evidence"] or 0.0 for r in same), default=0.0)
     if row["form"] in parts and ({row["form"], *row["beside"]} == set(parts) or row["evidence"] == best):
         return "in the model after"

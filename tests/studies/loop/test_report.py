@@ -216,6 +216,11 @@ def test_reasons():
         {"effect": "tether", "form": "tether[left]", "evidence": None, "not_refitted": "score 1.2"},
     ]
     rows = [{**row, "beside": []} for row in rows]
+    # What whole records refused is no measure for the others, however much it explains of swings.
+    rows.append({
+        "effect": "base_motion_lag", "form": "base_motion_lag", "evidence": 2000.0,
+        "refused": "whole records speak against it", "beside": [],
+    })  # fmt: skip
     # In the place of another effect it is measured by the best one there.
     rows += [
         {"effect": name, "form": name, "evidence": evidence, "beside": ["base_tilt"]}
@@ -231,6 +236,7 @@ def test_reasons():
         "explains 8 % of what the best one does",
         "explains nothing",
         "not refitted: its score 1.2 is too small",
+        "whole records speak against it",
         "in the model after",
         "explains 40 % of what the best one does",
         "explains 20 % of what the best one does",

@@ -158,9 +158,9 @@ def test_what_whole_records_refuse_neither_goes_nor_comes(monkeypatch: pytest.Mo
 
     made = revised(SimpleNamespace(simulator=None, by_rotation=True), plain, both, both.names, [first, second], quiet)  # type: ignore[arg-type]
     assert made.trial is both and made.said == ()
-    # What they refuse is no rival either, and it is said why.
+    # What they refuse is no rival either, and keeps what it explained.
     assert [t.names for r in made.rounds for t in r.trials] == [both.names, both.names]
-    assert made.rounds[1].skipped == {"drag": "whole records speak against it"}
+    assert [t.names for t in made.rounds[1].refused] == [("lag", "drag")]
     # Accelerometers do not ask them.
     blind = SimpleNamespace(simulator=None, by_rotation=False)
     assert revised(blind, plain, both, both.names, [first, second], quiet).trial.names == ("damping",)  # type: ignore[arg-type]
