@@ -106,8 +106,10 @@ class Finding:
 
     @property
     def every_round(self) -> tuple[Round, ...]:
-        """The rounds of the search, and those in which effects were tried again in the place of others."""
-        return (*self.rounds, *(r for r in self.deciding if all(r.onto is not known.onto for known in self.rounds)))
+        """The rounds of the search, as they stand in the end, and those in which effects were tried again."""
+        last = {id(r.onto): r for r in self.deciding}
+        again = (r for r in self.deciding if all(r.onto is not known.onto for known in self.rounds))
+        return (*(last.get(id(r.onto), r) for r in self.rounds), *again)
 
     @property
     def learned(self) -> tuple[Curve, ...]:

@@ -13,7 +13,7 @@ from studies.loop.model import MOUNTING
 from studies.running.files import save_text
 
 REFUSED = "whole records speak against it"
-"""What swings would have taken and is no rival."""
+"""Why a trial that swings would have taken is no rival."""
 
 
 def as_json(finding: Finding, next_test: str) -> dict[str, Any]:
@@ -48,7 +48,10 @@ def as_json(finding: Finding, next_test: str) -> dict[str, Any]:
 
 
 def _candidates(finding: Finding) -> list[dict[str, Any]]:
-    """What was tried in the place of each effect: held-out error where it was computed, fall of chi-square."""
+    """What was tried in the place of each effect: held-out error where it was computed, fall of chi-square.
+
+    Those that explained most come first, those that whole records refused last.
+    """
     rivals = {frozenset(r.trial.names): r for r in finding.rivals}
     rows: list[dict[str, Any]] = []
     for tried in finding.deciding:
@@ -75,7 +78,8 @@ def _candidates(finding: Finding) -> list[dict[str, Any]]:
             }
             for name, why in tried.skipped.items()
         ]  # fmt: skip
-    return sorted(rows, key=lambda row: -(row["evidence"] if row["evidence"] is not None else -math.inf))
+    by_evidence = sorted(rows, key=lambda row: -(row["evidence"] if row["evidence"] is not None else -math.inf))
+    return sorted(by_evidence, key=lambda row: "refused" in row)
 
 
 def _plain(value: Any) -> Any:

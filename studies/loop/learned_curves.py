@@ -181,7 +181,9 @@ def _linear(
 def _banded(part: _Part, x: Array, y: Array, rows: Array, places: list[int], settled: Settled) -> Curve:
     """The curve y with a band; rows: its derivatives by the parameters at these places, shape (parameter, point)."""
     covariance = settled.covariance[np.ix_(places, places)]
-    half = 1.96 * np.sqrt(np.maximum(np.einsum("ki,kl,li->i", rows, covariance, rows), 0.0))
+    with np.errstate(invalid="ignore"):  # nothing is known of a parameter whose variance is infinite
+        variance = np.einsum("ki,kl,li->i", rows, covariance, rows)
+    half = 1.96 * np.sqrt(np.where(np.isfinite(variance), np.maximum(variance, 0.0), np.nan))
     return Curve(part.label, part.description, x, y, y - half, y + half, part.x_label, part.y_label)
 
 

@@ -95,14 +95,18 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
         apart = _apart(minima, sensor_covariance(setup.simulator, minima[0]), covariances[-1])
         covariances[-1] = covariances[-1] + apart
     both, joint = _joined(names, fits, covariances)
-    if apart is not None and np.any(np.diag(apart) > np.diag(covariances[-1] - apart)):
+    between = apart is not None and bool(np.any(np.diag(apart) > np.diag(covariances[-1] - apart)))
+    if between:
         # Between minima lies none: the best one is what predicts.
         both = np.array([p.inner(minima[0].model.get(p.name)) for p in parameters])
     known = {p.name: p.outer(float(v)) for p, v in zip(parameters, both, strict=True)}
-    if trial.costly and minima and _spoilt(setup, whole.model.changed(known), trial.swing.model, minima[0]):
-        # Swings have many starts; a minimum of whole records that they refuse is one among many.
-        one = len(fits) - 1 if _still_fits(setup, trial, minima[0].model) else 0
-        known, joint = fits[one].values, _placed(names, fits[one], covariances[one])
+    if trial.costly and minima:
+        together = whole.model.changed(known)
+        if between or _spoilt(setup, together, trial.swing.model, minima[0]):
+            # Swings have many starts; a minimum of whole records that they refuse is one among many.
+            one = len(fits) - 1 if _still_fits(setup, trial, minima[0].model) else 0
+            known |= fits[one].values
+            joint = _in_its_place(names, joint, fits[one], covariances[one])
     model = whole.model.changed(known)
     leans = fit_records(setup.simulator, model, [], whole.windows, iterations=4)
     scale = np.array([p.slope(known[p.name]) for p in parameters])
@@ -133,14 +137,22 @@ def _joined(names: Sequence[str], fits: Sequence[Fit], covariances: Sequence[Arr
         total[np.ix_(at, at)] += information
         weighted[at] += information @ _numbers(found)[seen]
     joint = np.linalg.pinv(total, rcond=1e-14)
-    return np.asarray(joint @ weighted), np.asarray(joint)
+    values = np.asarray(joint @ weighted)
+    for found in fits:
+        for p, value in zip(found.parameters, _numbers(found), strict=True):
+            k = names.index(p.name)
+            # What no fit shows is as uncertain as can be, and stays where it was.
+            if total[k, k] == 0.0:
+                values[k], joint[k, k] = value, math.inf
+    return values, np.asarray(joint)
 
 
-def _placed(names: Sequence[str], found: Fit, covariance: Array) -> Array:
-    """The covariance of a fit in scales of the parameters, at their places; 0 for those that it does not have."""
-    at = [names.index(p.name) for p in found.parameters]
-    out = np.zeros((len(names), len(names)))
-    out[np.ix_(at, at)] = _inner(found, covariance)
+def _in_its_place(names: Sequence[str], joint: Array, found: Fit, covariance: Array) -> Array:
+    """The covariance of one fit in scales of the parameters; that of all for what this one does not show."""
+    shown = [k for k in range(len(found.parameters)) if covariance[k, k] > 0.0]
+    at = [names.index(found.parameters[k].name) for k in shown]
+    out = joint.copy()
+    out[np.ix_(at, at)] = _inner(found, covariance)[np.ix_(shown, shown)]
     return out
 
 

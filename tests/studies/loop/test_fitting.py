@@ -108,6 +108,9 @@ def test_where_a_window_goes_another_way_to_one_side_the_smallest_slope_counts()
     assert [float(a[0, 0]) for a in slopes(r, two_sided)] == pytest.approx([2.0, 41.5, -0.5])
     assert [float(a[0, 0]) for a in slopes(r, two_sided, cautious=True)] == pytest.approx([2.0, 3.0, -0.5])
     assert [float(a[0, 0]) for a in slopes(r, one_sided, cautious=True)] == pytest.approx([2.0, 80.0, 80.0])
+    # Slopes of 2 and 2.9 differ by less than half of the smaller one, 2 and 3.2 by more.
+    bent = [run(0.0, 0.0), run(0.2, 0.2), run(-0.29, -0.32)]
+    assert [float(a[0, 0]) for a in slopes(bent, two_sided, cautious=True)] == pytest.approx([2.45, 2.0])
     # To a side that is cut short by a bound the distance is what is left.
     uneven = [Ends(1, 2, 0.15, 0.05)]
     assert float(slopes([run(1.0), run(1.1), run(0.0)], uneven, cautious=True)[0][0, 0]) == pytest.approx(2.0)

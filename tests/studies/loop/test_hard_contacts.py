@@ -25,4 +25,6 @@ def test_a_corner_that_bounces_is_found(tmp_path, monkeypatch):
     assert finding.verdict == "effect" and finding.chosen.effects in {("bouncing",), ("bouncing", "viscous_damping")}
     value = finding.after.get("bouncing.normal_restitution")
     assert value == pytest.approx(truth.parameters["bouncing.normal_restitution"], abs=0.05)
+    _, low, high = finding.intervals["bouncing.normal_restitution"]
+    assert low <= truth.parameters["bouncing.normal_restitution"] <= high
     assert finding.errors["after"].holdout < 0.5 * finding.errors["before"].holdout

@@ -15,11 +15,12 @@ import pytest
 from studies.campaigns import Campaign, Channel, Conditions, DeclaredBlock, Test
 from studies.laboratory import event, table
 from studies.laboratory.parameters import G, World, uniform
-from studies.loop import closing, revising
+from studies.loop import closing, finding_file, revising
 from studies.loop.dataset import candidates
 from studies.loop.finding_file import as_json
 from studies.loop.model import LoopModel
 from studies.loop.preparing import Setup, prepare
+from studies.loop.report import page
 from studies.loop.revising import revised
 from studies.loop.rivals import Rival, near_all, twins
 from studies.loop.settling import whole_fit
@@ -142,7 +143,9 @@ def test_two_effects_are_found_though_all_whole_records_are_lost_with_one() -> N
 def stub(*names: str, chi2: float) -> Trial:
     parts = tuple(SimpleNamespace(name=n, effect=n, in_swings=True, costly=False) for n in names)
     swing = SimpleNamespace(chi2=chi2, parameters=names, samples=1000, windows=())
-    return SimpleNamespace(names=names, effects=names, parts=parts, swing=swing, costly=False)  # type: ignore[return-value]
+    return SimpleNamespace(  # type: ignore[return-value]
+        names=names, effects=names, parts=parts, swing=swing, costly=False, score=math.nan
+    )  # fmt: skip
 
 
 def test_what_whole_records_refuse_neither_goes_nor_comes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -161,6 +164,18 @@ def test_what_whole_records_refuse_neither_goes_nor_comes(monkeypatch: pytest.Mo
     # What they refuse is no rival either, and keeps what it explained.
     assert [t.names for r in made.rounds for t in r.trials] == [both.names, both.names]
     assert [t.names for t in made.rounds[1].refused] == [("lag", "drag")]
+    # The first round is that of the search and says so too, in every table.
+    finding = SimpleNamespace(rounds=(first, second), deciding=made.rounds, rivals=(), units="rad")
+    finding.every_round = closing.Finding.every_round.fget(finding)  # type: ignore[attr-defined]
+    assert [r.onto for r in finding.every_round] == [plain, lag, alone["lag"]]
+    [*kept, last] = finding_file._candidates(finding)  # type: ignore[arg-type]
+    assert last["form"] == "drag" and last["evidence"] == 3100.0 and last["refused"] == finding_file.REFUSED
+    assert not any("refused" in row for row in kept)
+    table = candidates(finding)  # type: ignore[arg-type]
+    assert table.refused.sel(form="drag").values.tolist() == [False, True, False]
+    assert table.evidence.sel(form="drag").values[1] == 3100.0
+    rows = [row for r in page._rounds(finding) for row in r["rows"] if row["form"] == "drag"]  # type: ignore[arg-type]
+    assert [row["why"] for row in rows] == [finding_file.REFUSED]
     # Accelerometers do not ask them.
     blind = SimpleNamespace(simulator=None, by_rotation=False)
     assert revised(blind, plain, both, both.names, [first, second], quiet).trial.names == ("damping",)  # type: ignore[arg-type]

@@ -145,32 +145,62 @@ def test_estimates_put_together_are_refused_where_they_explain_far_less_than_eit
     assert asked == [("both", [], ("w",)), ("swings", [], ("w",))]
 
 
+class Model(SimpleNamespace):
+    """Numbers by name."""
+
+    def get(self, name: str) -> float:
+        return float(getattr(self, name))
+
+    def changed(self, values: dict[str, float]) -> Any:
+        return Model(**(vars(self) | values))
+
+
+@pytest.mark.parametrize("why", ["together they explain less", "other minima are as deep"])
 @pytest.mark.parametrize(("refused", "value"), [(True, 2.0), (False, 2.6)])
 def test_where_estimates_do_not_go_together_the_minimum_counts_that_swings_bear(
-    monkeypatch: pytest.MonkeyPatch, refused: bool, value: float
+    monkeypatch: pytest.MonkeyPatch, why: str, refused: bool, value: float
 ) -> None:
-    """By hand: 0.6 apart with variances of 0.01 and 0.03 are a Birge ratio of 3, that widens the one that stays."""
-    k = Parameter("k", 1.0)
+    """By hand: 0.6 apart in k, with variances of 0.01 and 0.03 and c alike, are a Birge ratio squared of 9 over 2."""
+    k, c = Parameter("k", 1.0), Parameter("c", 1.0)
 
-    class Model(SimpleNamespace):
-        def get(self, name: str) -> float:
-            return float(self.k)
+    def at(number: float, *parameters: Parameter) -> Any:
+        model = Model(k=number, c=5.0)
+        values = {p.name: model.get(p.name) for p in parameters}
+        return SimpleNamespace(model=model, parameters=parameters, values=values, windows=(), chi2=900.0)
 
-        def changed(self, values: dict[str, float]) -> Any:
-            return Model(**values)
-
-    def at(number: float) -> Any:
-        return SimpleNamespace(model=Model(k=number), parameters=(k,), values={"k": number}, windows=())
-
-    swing, minimum = at(2.0), at(2.6)
-    trial: Any = SimpleNamespace(swing=swing, every=(k,), costly=True)
+    swing, minimum = at(2.0, c, k), at(2.6, c, k)
+    trial: Any = SimpleNamespace(swing=swing, every=(c, k), costly=True)
     setup: Any = SimpleNamespace(by_rotation=True, simulator=None, noisy=None)
-    variance = {id(swing): 0.01, id(minimum): 0.03}
-    monkeypatch.setattr(settling, "_while_predictable", lambda *_: [minimum])
-    monkeypatch.setattr(settling, "robust_covariance", lambda _, __, f: np.array([[variance[id(f)]]]))
-    monkeypatch.setattr(settling, "_spoilt", lambda *_: True)
-    monkeypatch.setattr(settling, "_still_fits", lambda *_: not refused)
+    covariances = {id(swing): np.diag([0.04, 0.01]), id(minimum): np.diag([0.09, 0.03])}
+    deep = why == "other minima are as deep"
+    asked = []
+
+    def bears(setup: Any, trial: Any, model: Any) -> bool:
+        asked.append(model)
+        return not refused
+
+    monkeypatch.setattr(settling, "_while_predictable", lambda *_: [minimum, at(9.0, c, k)] if deep else [minimum])
+    monkeypatch.setattr(settling, "_apart", lambda *_: np.diag([0.0, 0.5]))
+    monkeypatch.setattr(settling, "sensor_covariance", lambda *_: None)
+    monkeypatch.setattr(settling, "robust_covariance", lambda _, __, f: covariances[id(f)])
+    monkeypatch.setattr(settling, "_spoilt", lambda *_: not deep)
+    monkeypatch.setattr(settling, "_still_fits", bears)
     monkeypatch.setattr(settling, "fit_records", lambda simulator, model, *_, **__: SimpleNamespace(model=model))
     found = settling.settle(setup, trial, at(2.3))
+    assert asked == [minimum.model] and found.names == ("c", "k")
     assert found.whole.model.get("k") == value
-    assert found.covariance[0, 0] == pytest.approx(9.0 * variance[id(swing if refused else minimum)])
+    expected = 0.01 if refused else 0.53 if deep else 0.03
+    birge = max(1.0, 0.6**2 / (0.01 + (0.53 if deep else 0.03)) / 2.0)
+    assert found.covariance[1, 1] == pytest.approx(birge * expected)
+    assert found.covariance[0, 0] == pytest.approx(birge * (0.04 if refused else 0.09))
+
+
+def test_what_an_estimate_does_not_show_is_as_wide_as_the_others_say() -> None:
+    one, two = estimate({"a": 1.0, "b": 5.0, "c": 7.0}), estimate({"a": 1.6, "b": 5.5, "c": 7.0})
+    covariances = [np.diag([0.01, 0.0, 0.0]), np.diag([0.01, 0.2, 0.0])]
+    values, joint = _joined(("a", "b", "c"), [one, two], covariances)
+    # Of c neither says anything: it stays, and its interval has no end.
+    np.testing.assert_allclose(values, [1.3, 5.5, 7.0])
+    np.testing.assert_allclose(np.diag(joint), [0.005, 0.2, np.inf])
+    alone = settling._in_its_place(("a", "b", "c"), joint, one, covariances[0])
+    np.testing.assert_allclose(np.diag(alone), [0.01, 0.2, np.inf])
