@@ -42,8 +42,8 @@ DISAGREEING = 1.2
 def sensor_covariance(simulator: Simulator, found: Fit) -> Array:
     """Covariance of the fitted parameters by the sensors' noise alone, shape (parameter, parameter).
 
-    In the outer scale, slopes cautious as of `robust_covariance`.  A fit that is worse than the noise has parameters that
-    are less sure than the noise says.
+    In the outer scale, slopes cautious as of `robust_covariance`.  A fit that is worse than the noise has parameters
+    that are less sure than the noise says.
     """
     lin = linearised(simulator, found.model, found.parameters, found.windows, cautious=True)
     matrix, _, _ = reduced(lin, found.windows, found.weights)
