@@ -106,10 +106,10 @@ class Finding:
 
     @property
     def every_round(self) -> tuple[Round, ...]:
-        """The rounds of the search, as they stand in the end, and those in which effects were tried again."""
+        """The rounds of the search, with what was tried in them again, and those in which effects were tried again."""
         last = {id(r.onto): r for r in self.deciding}
         again = (r for r in self.deciding if all(r.onto is not known.onto for known in self.rounds))
-        return (*(last.get(id(r.onto), r) for r in self.rounds), *again)
+        return (*(r.updated(last[id(r.onto)]) if id(r.onto) in last else r for r in self.rounds), *again)
 
     @property
     def learned(self) -> tuple[Curve, ...]:

@@ -122,6 +122,17 @@ class Round:
         """All that was tried, each with whether it was refused."""
         return [*((t, False) for t in self.trials), *((t, True) for t in self.refused)]
 
+    def updated(self, later: Round) -> Round:
+        """This round with what a later one on top of the same trial says of its candidates, of which it has a few."""
+        known = {frozenset(t.names) for t, _ in later.tried}
+        trials, refused = (
+            [*new, *(t for t in old if frozenset(t.names) not in known)]
+            for new, old in ((later.trials, self.trials), (later.refused, self.refused))
+        )
+        tried = {later.added(t).name for t, _ in later.tried}
+        skipped = {form: why for form, why in self.skipped.items() if form not in tried}
+        return replace(self, trials=trials, refused=tuple(refused), skipped=skipped, scores=self.scores | later.scores)
+
     def added(self, trial: Trial) -> Candidate:
         """What a trial of this round has beyond that on top of which it was tried."""
         return next(part for part in trial.parts if part.name not in self.onto.names)

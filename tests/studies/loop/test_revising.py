@@ -176,6 +176,14 @@ def test_what_whole_records_refuse_neither_goes_nor_comes(monkeypatch: pytest.Mo
     assert table.evidence.sel(form="drag").values[1] == 3100.0
     rows = [row for r in page._rounds(finding) for row in r["rows"] if row["form"] == "drag"]  # type: ignore[arg-type]
     assert [row["why"] for row in rows] == [finding_file.REFUSED]
+    # A round that was gone through again with a few of its candidates keeps the others.
+    once = Round(plain, [lag, stub("drag", chi2=4500.0), stub("tilt", chi2=4900.0)], {"mass": "score 1"})
+    twice = Round(plain, [stub("lag", chi2=3990.0)], refused=(stub("drag", chi2=4400.0),))
+    [merged] = closing.Finding.every_round.fget(SimpleNamespace(rounds=(once,), deciding=(twice,)))  # type: ignore[attr-defined]
+    assert {t.names[0]: (t.swing.chi2, gone) for t, gone in merged.tried} == {
+        "lag": (3990.0, False), "tilt": (4900.0, False), "drag": (4400.0, True),
+    }  # fmt: skip
+    assert merged.skipped == {"mass": "score 1"}
     # Accelerometers do not ask them.
     blind = SimpleNamespace(simulator=None, by_rotation=False)
     assert revised(blind, plain, both, both.names, [first, second], quiet).trial.names == ("damping",)  # type: ignore[arg-type]
