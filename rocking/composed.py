@@ -45,7 +45,7 @@ class Parameters(NamedTuple):
     hooks: Any  # Hooks
 
 
-def _added(theta: Any, omega: Any, s: Any, base: Base, par: Parameters) -> Any:
+def added(theta: Any, omega: Any, s: Any, base: Base, par: Parameters) -> Any:
     """Angular acceleration [rad/s^2] that the effects add."""
     total = 0.0
     for i in range(par.hooks.pushing):
@@ -53,7 +53,7 @@ def _added(theta: Any, omega: Any, s: Any, base: Base, par: Parameters) -> Any:
     return total
 
 
-def _torque(xp: Any, theta: Any, omega: Any, s: Any, base: Base, par: Parameters) -> tuple[Any, Any]:
+def moment(xp: Any, theta: Any, omega: Any, s: Any, base: Base, par: Parameters) -> tuple[Any, Any]:
     """(s times the driving moment over mass [m^2/s^2], M [m^2]) without effects."""
     x, z, x_phi, z_phi = levers(xp, s * theta, par.a, par.r, par.a - s * par.o, par.H)
     A_x, A_z = in_floor_axes(xp, base, par.g)
@@ -64,27 +64,35 @@ def _torque(xp: Any, theta: Any, omega: Any, s: Any, base: Base, par: Parameters
 
 def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any, Any]:
     """(omega, theta''); zero at rest."""
-    torque, M = _torque(xp, y[0], y[1], q.s, base, par)
+    torque, M = moment(xp, y[0], y[1], q.s, base, par)
     rotating = xp.where(q.mode == ROTATION, 1.0, 0.0)
-    return rotating * y[1], rotating * (q.s * torque / M + _added(y[0], y[1], q.s, base, par))
+    return rotating * y[1], rotating * (q.s * torque / M + added(y[0], y[1], q.s, base, par))
 
 
-def _held(xp: Any, s: Any, base: Base, par: Parameters) -> Any:
-    """Moment over mass [m^2/s^2] that is left before the side s begins to carry; below zero it does."""
+def _held(xp: Any, s: Any, base: Base, par: Parameters, pushing: Any) -> Any:
+    """Moment over mass [m^2/s^2] that is left before the side s begins to carry; below zero it does.
+
+    pushing: what else turns the block to +x [m^2/s^2].
+    """
     # The levers of phi = 0, without their sines.
     q, z = par.a - s * par.o, par.r + par.H
     A_x, A_z = in_floor_axes(xp, base, par.g)
     torque = -(A_z * q + s * (A_x * z + base.pitch_acceleration * (z * z - s * par.o * q + par.rho2)))
     M = par.rho2 + z * z + q * q
-    return par.hold - torque - M * s * _added(0.0, 0.0, s, base, par)
+    return par.hold - torque - s * (M * added(0.0, 0.0, s, base, par) + pushing)
 
 
 def guards(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any, Any, Any, Any]:
     """Fall (|theta| reaches pi/2), impact (the other edge lands), tip to +x and to -x (rest ends)."""
+    return guards_with(xp, y, q, base, par, 0.0)
+
+
+def guards_with(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters, pushing: Any) -> tuple[Any, Any, Any, Any]:
+    """The same with so large a moment over mass besides that turns a block at rest to +x [m^2/s^2]."""
     rotating = q.mode == ROTATION
     fall = 0.5 * math.pi - xp.abs(y[0])
     impact = xp.where(rotating, q.s * y[0], 1.0)
-    right, left = _held(xp, 1.0, base, par), _held(xp, -1.0, base, par)
+    right, left = _held(xp, 1.0, base, par, pushing), _held(xp, -1.0, base, par, pushing)
     return fall, impact, xp.where(rotating, 1.0, right), xp.where(rotating, 1.0, left)
 
 
@@ -99,16 +107,16 @@ def _after(xp: Any, omega: Any, s: Any, par: Parameters, more: Any) -> Any:
 
 def jump(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters, k: Any) -> tuple[tuple[Any, Any], Discrete]:
     """Impact, and rest if it was the last.  Tip: rotation about the edge to which the moment turns."""
-    return jump_with(xp, y, q, base, par, k, 0.0)
+    return jump_with(xp, y, q, base, par, k, 0.0, 0.0)
 
 
 def jump_with(
-    xp: Any, y: Any, q: Discrete, base: Base, par: Parameters, k: Any, more: Any
+    xp: Any, y: Any, q: Discrete, base: Base, par: Parameters, k: Any, more: Any, pushing: Any
 ) -> tuple[tuple[Any, Any], Discrete]:
-    """The same with so much more restitution [1]."""
+    """The same with so much more restitution [1], and so large a moment over mass besides [m^2/s^2]."""
     impact = k == IMPACT
     omega = xp.where(impact, _after(xp, y[1], q.s, par, more), 0.0)
-    holds = (_held(xp, 1.0, base, par) >= 0.0) & (_held(xp, -1.0, base, par) >= 0.0)
+    holds = (_held(xp, 1.0, base, par, pushing) >= 0.0) & (_held(xp, -1.0, base, par, pushing) >= 0.0)
     rests = impact & (xp.abs(omega) < par.omega_rest) & holds
     s = xp.where(impact, -q.s, xp.where(k == TIP_RIGHT, 1.0, -1.0))
     mode = xp.where(rests, REST, ROTATION)

@@ -58,7 +58,7 @@ def jump(xp: Any, y: Any, q: Discrete, base: Base, par: Any, k: Any) -> tuple[tu
     """Those of `rocking.composed`; an impact that is fast enough is counted, and the time since it begins."""
     struck = (k == IMPACT) & (xp.abs(y[1]) > par.least_speed)
     more = par.first * xp.exp(-y[2] / par.first_impacts) + par.recent * xp.exp(-y[3] / par.recent_time)
-    (theta, omega), after = jump_with(xp, y, q, base, par, k, more)
+    (theta, omega), after = jump_with(xp, y, q, base, par, k, more, 0.0)
     return (theta, omega, xp.where(struck, y[2] + 1.0, y[2]), xp.where(struck, 0.0, y[3])), after
 
 

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocking.effects.learned_curve import EVEN, ODD, curve, numbers
-from studies.loop.learning import CURVE, MEMORY, READING, TERM
-from studies.loop.model import DRIFT
+from studies.loop.learned_in_time import answer, by_parameters, loop
+from studies.loop.learning import CURVE, HYSTERESIS, MEMORY, MODE, READING, TERM
+from studies.loop.model import DRIFT, LoopModel
 from studies.loop.preparing import Setup
 from studies.loop.settling import Settled
 
@@ -110,6 +111,7 @@ def curves(setup: Setup, settled: Settled) -> tuple[Curve, ...]:
             _linear(part, part.functions, held, settled, np.linspace(-1.0, 1.0, 2 * POINTS) * _reach(setup, "rotation"))
         )
     found += [_decay(setup, settled, held, depth, span) for depth, span in MEMORIES if f"{MEMORY}.{depth}" in held]
+    found += _in_time(setup, settled, held)
     if DRIFT in held:
         part = _Part(
             "Restitution against the number of the test", "What is added to the restitution as the campaign goes on.",
@@ -118,6 +120,28 @@ def curves(setup: Setup, settled: Settled) -> tuple[Curve, ...]:
         x = np.arange(len(setup.campaign.tests), dtype=np.float64)
         found.append(_linear(part, {DRIFT: lambda x: x}, held, settled, x))
     return tuple(found)
+
+
+def _in_time(setup: Setup, settled: Settled, held: Mapping[str, int]) -> list[Curve]:
+    """A mass that swings, and what slips or creeps."""
+    model, found = settled.whole.model, []
+    reach = _reach(setup, "rotation")
+    forms: tuple[tuple[str, _Part, Callable[[LoopModel], tuple[Array, Array]]], ...] = (
+        (MODE, _Part(
+            "A mass inside: torque after a stop",
+            "By a mass that swings in a block which stops from 1 rad/s and is held upright then.",
+            "time [s]", TORQUE, {}), answer),
+        (HYSTERESIS, _Part(
+            "Torque that lags, against rotation",
+            "From upright to the largest rotation, to the other side and back, as fast as a pendulum of the block's p.",
+            "rotation [rad]", TORQUE, {}), lambda m: loop(m, reach)),
+    )  # fmt: skip
+    for effect, part, draw in forms:
+        own = [name for name in held if name.startswith(f"{effect}.")]
+        if own:
+            x, y = draw(model)
+            found.append(_banded(part, x, y, by_parameters(draw, model, own), [held[name] for name in own], settled))
+    return found
 
 
 def _splines(settled: Settled) -> list[_Part]:

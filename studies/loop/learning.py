@@ -1,11 +1,12 @@
 """What no candidate explains: the residual learned as a term, one coefficient after the other.
 
 Each coefficient of `rocking.effects.learned_term`, a drift of restitution from test to test, the curves of
-`rocking.effects.learned_curve`, the restitution with a memory of `rocking.effects.learned_memory` and the bend of the
-sensor of `rocking.effects.learned_reading` are parameters whose default is nothing, fitted with the same machinery as
+`rocking.effects.learned_curve`, the restitution with a memory of `rocking.effects.learned_memory`, the bend of the
+sensor of `rocking.effects.learned_reading`, the mass inside of `rocking.effects.learned_mode` and the torque that lags
+of `rocking.effects.learned_hysteresis` are parameters whose default is nothing, fitted with the same machinery as
 the effects.  The greedy search stops when the next one does not lower the residual by `LEAST_GAIN`.
 
-Status   further freedoms, and a torque with a memory, are outside of the span: then little is learned.
+Status   two modes, and two of what swings, yields or remembers at once, are outside of the span.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from rocking import G_STANDARD
 from rocking.effects.learned_curve import EVEN, ODD
 from studies.campaigns import DeclaredBlock
 from studies.campaigns.swings import OPEN
@@ -33,10 +35,12 @@ LEAST_LEFT = 0.98
 
 MOST_TERMS = 4
 
-HOPELESS = 2
+HOPELESS = 1
 """Coefficients after which half of what is to be reached has to be."""
 
-TERM, CURVE, MEMORY, READING = LEARNED = ("learned_term", "learned_curve", "learned_memory", "learned_reading")
+TERM, CURVE, MEMORY, READING, MODE, HYSTERESIS = LEARNED = (
+    "learned_term", "learned_curve", "learned_memory", "learned_reading", "learned_mode", "learned_hysteresis"
+)  # fmt: skip
 """Effects that say how a residual looks and not what it comes from."""
 
 FURTHEST = 1.02
@@ -44,6 +48,15 @@ FURTHEST = 1.02
 
 NEAR_UPRIGHT = 0.2
 """And where one ends that acts near upright."""
+
+MODES = (0.5, 1.0, 2.0, 4.0, 8.0)
+"""Circular frequencies over the block's p from which a mode is tried."""
+
+WIDTHS = (0.02, 0.1, 0.5)
+"""Strains over the slenderness angle at which something may slip."""
+
+TIMES = (0.1, 0.5, 2.0)
+"""Times over 1/p in which something may relax."""
 
 
 def terms(block: DeclaredBlock) -> tuple[Candidate, ...]:
@@ -122,6 +135,42 @@ def memories(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
     return tuple(found)
 
 
+def inner(block: DeclaredBlock) -> tuple[Candidate, ...]:
+    """What goes on in time within a block or beside it: a mass that swings, something that slips or that creeps.
+
+    None enters linearly but by its size, which is what is fitted first.
+    """
+    p, alpha, moment = block.p(), block.alpha, block.mass * G_STANDARD * block.R
+    size, height, frequency, damping = (
+        f"{MODE}.{name}" for name in ("mass_ratio", "height_ratio", "frequency", "damping_ratio")
+    )
+    swinging = Candidate(
+        "learned[mode]", MODE,
+        (
+            Parameter(size, 0.005, 0.0, 0.4), Parameter(height, 0.2, 0.0, 4.0),
+            Parameter(frequency, 0.1, 0.02 * p, 20.0 * p, log=True), Parameter(damping, 0.3, 1e-3, 3.0, log=True),
+        ),
+        tuple({size: 0.005, height: 1.0, frequency: share * p / (2.0 * math.pi), damping: 0.1} for share in MODES),
+        {}, smooth=False, scouts=(size,),
+    )  # fmt: skip
+    size, width, time, strained = (f"{HYSTERESIS}.{name}" for name in ("stiffness", "width", "time", "strained"))
+    held = Parameter(size, 0.01 * moment, 0.0, 100.0 * moment)
+    pulled = Parameter(strained, 0.3, 0.0, 1.0)
+    slipping = Candidate(
+        "learned[hysteresis]", HYSTERESIS,
+        (held, Parameter(width, 0.3, 1e-4 * alpha, 10.0 * alpha, log=True), pulled),
+        tuple({size: 0.02 * moment, width: share * alpha, strained: 0.5} for share in WIDTHS),
+        {}, smooth=False, scouts=(size,),
+    )  # fmt: skip
+    creeping = Candidate(
+        "learned[relaxation]", HYSTERESIS,
+        (held, Parameter(time, 0.3, 1e-3 / p, 1e3 / p, log=True), pulled),
+        tuple({size: 0.02 * moment, time: share / p, strained: 0.5} for share in TIMES),
+        {}, smooth=False, scouts=(size,),
+    )  # fmt: skip
+    return swinging, slipping, creeping
+
+
 def learn(simulator: Simulator, onto: Trial, tell: Callable[[str], None], rival: Trial | None = None) -> Trial:
     """The trial with the coefficients that pay; itself if none does.
 
@@ -134,6 +183,7 @@ def learn(simulator: Simulator, onto: Trial, tell: Callable[[str], None], rival:
     pool = (
         *terms(declared),
         *(c for form in (readings, profiles, memories) for c in form(declared, onto.swing.windows)),
+        *inner(declared),
     )
     for count in range(MOST_TERMS):
         gained = onto.swing.chi2 - current.swing.chi2

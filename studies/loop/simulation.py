@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from excitation import SampledMotion
 from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, TRANSLATION_JUMP, Base, Discrete
+from rocking.hysteretic import HystereticBlock
+from rocking.inner_mass import BlockWithInnerMass
 from rocking.motion import BaseMotion, base_at, pitch_kernel
 from rocking.remembering import LONG_AGO, RememberingBlock
 from rocking.soft_floor import BlockOnSoftFloor
@@ -32,6 +34,9 @@ RTOL, ATOL = 1e-8, 1e-11
 
 HISTORY = 6
 """Peaks before a window over which slip is carried: it is forgotten once the corner sticks."""
+
+WITHIN = (BlockWithInnerMass, HystereticBlock)
+"""Blocks with states of their own that a whole record may not forget."""
 
 LONGEST_STEP = 0.05
 """Of a run on a base at rest [s]; the error stays a hundred thousandth of the noise of a usual sensor."""
@@ -64,6 +69,26 @@ class Peak(NamedTuple):
     time: float
     theta: float
     omega: float
+
+
+class _Leg(NamedTuple):
+    """A run from one peak of a record to the next, of which what a rotation does not show is carried over."""
+
+    model: int
+    test: int
+    depth: int
+    peak: Peak
+    stop: float  # [s]
+    before: _Leg | None
+
+
+def _legs(last: _Leg | None) -> list[_Leg]:
+    """A leg with those before it, the last first."""
+    found = []
+    while last is not None:
+        found.append(last)
+        last = last.before
+    return found
 
 
 class Struck(NamedTuple):
@@ -194,26 +219,40 @@ class Simulator:
 
         A block that slips forgets how fast it did: it is run from peak to peak of the record, each time from the
         rotation that was measured there, and what the run says of the rest is carried over.  One that bounces on a
-        soft floor forgets sooner: from one peak to the next.
+        soft floor forgets sooner: from one peak to the next.  What swings inside of a block or yields beside it is
+        carried from the start of the record on.
         """
-        peaks = [_peaks_remembered(model.system) for model in models]
-        keys = [(j.model, j.test, j.history[max(len(j.history) - peaks[j.model], 0) :], j.start) for j in jobs]
-        asked = dict.fromkeys(key for key in keys if key[2])
-        known: dict[Any, dict[str, Any]] = {key: {} for key in asked}
-        for depth in range(max((len(key[2]) for key in asked), default=0)):
-            now = [key for key in asked if len(key[2]) > depth]
-            runs = []
-            for model, test, history, start in now:
-                stop = history[depth + 1].time if depth + 1 < len(history) else start
-                peak = history[depth]
-                runs.append(Job(model, test, np.array([stop]), peak.time, peak.theta, peak.omega))
-            for key, answer in zip(now, self._run(models, runs, [known[key] for key in now]), strict=True):
-                known[key] = _beside_rotation(models[key[0]].system, answer)
+        lasts = [self._path(models[job.model].system, job) for job in jobs]
+        # Windows of one record have legs in common.
+        asked = {leg: None for last in lasts for leg in _legs(last)}
+        known: dict[Any, dict[str, Any]] = {}
+        for depth in range(max((leg.depth for leg in asked), default=-1) + 1):
+            now = [leg for leg in asked if leg.depth == depth]
+            runs = [Job(leg.model, leg.test, np.array([leg.stop]), *leg.peak) for leg in now]
+            before = [known[leg.before] if leg.before is not None else {} for leg in now]
+            for leg, answer in zip(now, self._run(models, runs, before), strict=True):
+                known[leg] = _beside_rotation(models[leg.model].system, answer)
         remembers = [isinstance(model.system, RememberingBlock) for model in models]
         return [
-            job.struck._asdict() if remembers[job.model] else known.get(key, {})
-            for job, key in zip(jobs, keys, strict=True)
+            job.struck._asdict() if remembers[job.model] else known[last] if last is not None else {}
+            for job, last in zip(jobs, lasts, strict=True)
         ]
+
+    def _path(self, system: Any, job: Job) -> _Leg | None:
+        """The last of the legs by which a job is reached; none where it begins with all that there is to know."""
+        history = job.history
+        if isinstance(system, WITHIN):
+            first, _ = self.spans[job.test]
+            # What a shaken block carries has been shaken since the start of the record.
+            if self.tests[job.test].kind != "free" and job.start > first:
+                history = (Peak(first, 0.0, 0.0), *history)
+        else:
+            history = history[max(len(history) - _peaks_remembered(system), 0) :]
+        leg: _Leg | None = None
+        for depth, peak in enumerate(history):
+            stop = history[depth + 1].time if depth + 1 < len(history) else job.start
+            leg = _Leg(job.model, job.test, depth, peak, stop, leg)
+        return leg
 
     def _run(self, models: Sequence[LoopModel], jobs: Sequence[Job], carried: Sequence[dict[str, Any]]) -> list[Answer]:
         systems = [model.system for model in models]
@@ -286,16 +325,20 @@ def _peaks_remembered(system: Any) -> int:
 def _beside_rotation(system: Any, answer: Answer) -> dict[str, Any]:
     """Slip and height of the carrying corner at the end of a run; nothing where it sticks to the floor.
 
-    On a soft floor the whole state.
+    On a soft floor the whole state; of a block with something inside where that is and how it moves.
     """
     mode, y = int(answer.mode[-1]), tuple(map(float, answer.y[-1]))
     if answer.fell or answer.failed or not all(map(math.isfinite, y)):
         return {}
     if isinstance(system, BlockOnSoftFloor):
         return {"beside": (y, Discrete(mode, float(answer.s[-1]), 1.0))}
+    state = dict(zip(system.state_names, y, strict=True))
+    if isinstance(system, BlockWithInnerMass):
+        return {"shift": state["shift"], "slide": state["velocity"] - system.height * state["omega"]}
+    if isinstance(system, HystereticBlock):
+        return {"strain": state["strain"]}
     if mode in (REST, ROTATION):
         return {}
-    state = dict(zip(system.state_names, y, strict=True))
     if mode in (TRANSLATION_JUMP, ROTATION_JUMP):
         return {"u": state["u"], "z": max(state["z"], 1e-9), "v": state["v"]}
     return {"u": state["u"]}

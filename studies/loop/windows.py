@@ -21,7 +21,7 @@ from studies.campaigns import Channel, Test
 from studies.campaigns.clipping import before_overturning, clipped
 from studies.campaigns.smoothing import state
 from studies.campaigns.swings import Segmentation, segment
-from studies.loop.simulation import HISTORY, NEVER, Peak, Struck
+from studies.loop.simulation import NEVER, Peak, Struck
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -249,8 +249,7 @@ def swing_windows(records: Sequence[Record], swings: int = 1) -> list[Window]:
                     record, number, start, stop, theta=theta, omega=omega, theta_sd=math.inf, omega_sd=math.inf
                 )
                 if window.times.size >= 8:
-                    before = tuple(peaks[max(first + k - HISTORY, 0) : first + k])
-                    windows.append(replace(window, history=before, seen=row[k]))
+                    windows.append(replace(window, history=tuple(peaks[: first + k]), seen=row[k]))
     return windows
 
 

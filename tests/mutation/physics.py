@@ -90,6 +90,8 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("rocking/solve.py", ("test_trajectory", "test_bad_input", "test_solvers_agree")),
     ("rocking/soft_floor.py", ("effects/test_soft_floor", "effects/test_winkler_bed")),
     ("rocking/remembering.py", ("effects/test_learned_memory",)),
+    ("rocking/inner_mass.py", ("effects/test_learned_mode",)),
+    ("rocking/hysteretic.py", ("effects/test_learned_hysteresis",)),
     ("rocking/effects/*.py", EFFECTS),
     ("rocking/effect.py", EFFECTS),
     ("rocking/motion.py", ("test_trajectory", "effects/test_base_effects", *METHOD1)),

@@ -50,7 +50,9 @@ PRESENT: dict[str, dict[str, float]] = {
         "even_intervals": 2.0,
         **{f"even_{j}": value for j, value in enumerate((0.02, -0.03, 0.04))},
     },
+    "learned_hysteresis": {"stiffness": 30.0, "width": 0.05, "time": 0.7, "strained": 0.5},
     "learned_memory": {"first": -0.05, "first_impacts": 3.0, "recent": -0.04, "recent_time": 0.3, "least_speed": 0.05},
+    "learned_mode": {"mass_ratio": 0.02, "height_ratio": 1.2, "frequency": 3.0, "damping_ratio": 0.1},
     "learned_reading": {"square": 0.1, "cubic": -0.3},
     "mass_distribution": {"height": 0.45, "inertia": 6.0},
     "quadratic_drag": {"coefficient": 0.8},
@@ -216,7 +218,10 @@ def test_diffrax_agrees_on_an_effect_that_is_there(shaken: Any, name: str) -> No
     must_agree(name, "diffrax", shaken(), t_end=t_end, tolerances=tolerances)
 
 
-TOGETHER = [name for name in NAMES if name not in (*METHOD_2, "compliant_base")]
+ALONE = (*METHOD_2, "compliant_base", "learned_hysteresis", "learned_mode")
+"""What has modes or states of its own; `learned_memory`, which has some too, stands for them among all together."""
+
+TOGETHER = [name for name in NAMES if name not in ALONE]
 
 
 @pytest.mark.parametrize("solver", ["numba", pytest.param("diffrax", marks=pytest.mark.slow)])

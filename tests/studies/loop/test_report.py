@@ -1,6 +1,7 @@
 """report.html: all sections, strangers' texts as text, nothing from elsewhere, the numbers of loop.json."""
 
 import dataclasses
+import math
 import re
 from html.parser import HTMLParser
 from types import SimpleNamespace
@@ -8,6 +9,7 @@ from types import SimpleNamespace
 import found
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from rocking.effects import available
 from studies.loop.dataset import dataset
@@ -178,6 +180,34 @@ def test_a_learned_memory_is_drawn_with_a_band_of_both_its_parameters():
     draws = np.random.default_rng(0).multivariate_normal((-0.05, 0.2), covariance, 20000)
     drawn = draws[:, :1] * np.exp(-curve.x / draws[:, 1:])
     np.testing.assert_allclose((curve.high - curve.low) / (2.0 * 1.96), drawn.std(axis=0), rtol=0.05, atol=1e-6)
+
+
+def test_a_learned_mode_is_drawn_as_a_mass_that_swings():
+    """The block stops from 1 rad/s: the mass goes on with its height in m/s; drawn by an integrator in the test."""
+    values = {"learned_mode.mass_ratio": 0.02, "learned_mode.height_ratio": 1.2, "learned_mode.frequency": 2.0,
+              "learned_mode.damping_ratio": 0.1}  # fmt: skip
+    finding = retold(values, np.diag([1e-6, 0.0, 0.0, 0.0]))
+    [curve] = finding.learned
+    block = finding.setup.campaign.block
+    w, height = 2.0 * math.pi * 2.0, 1.2 * block.centre_height
+    there = solve_ivp(lambda t, y: (y[1], -(w**2) * y[0] - 0.2 * w * y[1]), (0.0, curve.x[-1]), (0.0, height),
+                      t_eval=curve.x, rtol=1e-9, atol=1e-12).y  # fmt: skip
+    pull = 0.02 * block.mass * (finding.after.g * there[0] + height * (w**2 * there[0] + 0.2 * w * there[1]))
+    np.testing.assert_allclose(curve.y, pull / block.I_O, rtol=0.0, atol=1e-6 * np.abs(curve.y).max())
+    # The torque is proportional to the mass, which alone is uncertain here: 1.96 times 1e-3 of 0.02.
+    np.testing.assert_allclose(curve.high - curve.y, 1.96 * 0.05 * np.abs(curve.y), rtol=1e-6, atol=1e-12)
+
+
+def test_a_learned_hysteresis_is_drawn_as_a_loop():
+    """Dahl's curve from upright to the reach; the spring alone, whose size is uncertain, for the band."""
+    values = {"learned_hysteresis.stiffness": 40.0, "learned_hysteresis.width": 0.03}
+    finding = retold(values, np.diag([16.0, 0.0]))
+    [curve] = finding.learned
+    first = slice(0, int(np.argmax(curve.x)) + 1)
+    expected = -40.0 / finding.setup.campaign.block.I_O * 0.03 * (1.0 - np.exp(-curve.x[first] / 0.03))
+    np.testing.assert_allclose(curve.y[first], expected, rtol=0.0, atol=1e-4 * np.abs(expected).max())
+    assert curve.y[-1] == pytest.approx(curve.y[first][-1], rel=1e-2)  # the loop closes
+    np.testing.assert_allclose(curve.high - curve.y, 1.96 * 0.1 * np.abs(curve.y), rtol=1e-6, atol=1e-12)
 
 
 def test_what_a_sensor_adds_is_drawn_over_the_rotation():

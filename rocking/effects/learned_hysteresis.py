@@ -1,0 +1,45 @@
+"""Learned hysteresis: a torque that lags behind the rotation, where no effect with a name explains a measurement.
+
+Adds        a torque -stiffness z, z' = omega - |omega| z / width - z / time (`rocking.hysteretic`)
+Parameters  stiffness [N m/rad], 0 where absent; width [rad], infinite where it never slips; time [s], infinite where it
+            never relaxes; strained [1], the share of the strain of a slow pull to the lean that a released block has
+Use when    what is left depends on the way to a rotation and not on the rotation alone: a layer that shears and slips,
+            cables that rub, a pad that creeps
+Limits      one element; it goes with effects on form, flow and impact, and not with a floor that gives or other modes
+Source      Dahl (1968), TOR-0158(3107-18)-1, The Aerospace Corporation; Maxwell (1867), Phil. Trans. R. Soc. 157, 49-88
+Status      closed forms of loop and relaxation, and the absent value (tests)
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from rocking.composed import ComposedMethod1
+from rocking.effect import Effect
+from rocking.hybrid import System
+from rocking.hysteretic import HystereticBlock
+
+
+@dataclass(frozen=True)
+class LearnedHysteresis(Effect):
+    """Stiffness [N m/rad], width [rad] and time [s] of what yields, and how far it is strained at a release [1]."""
+
+    stiffness: float = 0.0
+    width: float = math.inf
+    time: float = math.inf
+    strained: float = 0.0
+
+    name: ClassVar[str] = "learned_hysteresis"
+    units: ClassVar[dict[str, str]] = {"stiffness": "N m/rad", "width": "rad", "time": "s", "strained": "1"}
+    ranges: ClassVar[dict[str, tuple[float, float]]] = {
+        "stiffness": (0.0, 1e15),
+        "width": (1e-9, 1e9),
+        "time": (1e-9, 1e9),
+        "strained": (0.0, 1.0),
+    }
+
+    def freedoms(self, system: ComposedMethod1) -> System:
+        """The block with the strain as a state."""
+        return HystereticBlock(system, self.stiffness, 1.0 / self.width, 1.0 / self.time, self.strained)

@@ -1,0 +1,129 @@
+"""A block held by something that yields or creeps: Method 1 with effects, with one more state, the strain z.
+
+    z' = omega - |omega| z / width - z / time,      torque on the block -stiffness z
+
+A spring in rotation that slips once it is strained by about its width (Dahl's friction), that relaxes in some time
+(Maxwell's element), or both.  It holds a block at rest as well.
+
+Source   Dahl (1968), A solid friction model, TOR-0158(3107-18)-1, The Aerospace Corporation; Maxwell (1867),
+         Phil. Trans. R. Soc. 157, 49-88.
+Status   closed forms of loop and relaxation, the energy that a cycle loses, elastic and slack limits (tests).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+from rocking.composed import ComposedMethod1, OnRigidBlock, added, balance, guards_with, jump_with, moment
+from rocking.hybrid import ROTATION, Anchor, Base, Discrete
+from rocking.validation import within
+
+
+class Parameters(NamedTuple):
+    """Those of `rocking.composed`, and of what yields."""
+
+    a: float
+    r: float
+    o: float
+    H: float
+    rho2: float
+    g: float
+    hold: float
+    e_right: float
+    e_left: float
+    omega_rest: float
+    balance_right: float
+    balance_left: float
+    stiffness: float  # torque over mass [m^2/s^2] for each rad of strain
+    per_width: float  # [1/rad], 0 where it never slips
+    per_time: float  # [1/s], 0 where it never relaxes
+    hooks: Any
+
+
+def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Any) -> tuple[Any, ...]:
+    """(omega, theta'', z')."""
+    theta, omega, strain = y
+    rigid, M = moment(xp, theta, omega, q.s, base, par)
+    total = q.s * rigid + M * added(theta, omega, q.s, base, par) - par.stiffness * strain
+    rotating = xp.where(q.mode == ROTATION, 1.0, 0.0)
+    turning = rotating * omega
+    return turning, rotating * total / M, turning - (xp.abs(turning) * par.per_width + par.per_time) * strain
+
+
+def guards(xp: Any, y: Any, q: Discrete, base: Base, par: Any) -> tuple[Any, ...]:
+    """Those of `rocking.composed`, with what is strained still at rest."""
+    return guards_with(xp, y, q, base, par, -par.stiffness * y[2])
+
+
+def jump(xp: Any, y: Any, q: Discrete, base: Base, par: Any, k: Any) -> tuple[tuple[Any, ...], Discrete]:
+    """Those of `rocking.composed`; the strain stays."""
+    (theta, omega), after = jump_with(xp, y, q, base, par, k, 0.0, -par.stiffness * y[2])
+    return (theta, omega, y[2]), after
+
+
+@dataclass(frozen=True)
+class HystereticBlock(OnRigidBlock):
+    """A block held by a spring that slips or relaxes; made by `rocking.effects.learned_hysteresis`.
+
+    Args:
+        rigid: the block without it, with its form and hooks.
+        stiffness: torque on the block [N m] for each rad of strain, 0 or more.
+        per_width: one over the strain at which it slips [1/rad], 0 or more.
+        per_time: one over the time in which it relaxes [1/s], 0 or more.
+        strained: share of the strain of a slow pull to the lean from which a block is let go that is there then [1].
+
+    Raises:
+        ValueError: a number is out of its range.
+    """
+
+    rigid: ComposedMethod1
+    stiffness: float
+    per_width: float
+    per_time: float
+    strained: float
+
+    name = "method1"
+    state_names = ("theta", "omega", "strain")
+    guard_names = ("fall", "impact", "tip_right", "tip_left")
+    carries_pitch = True
+    inadmissible_reason = ""
+    flow = staticmethod(flow)
+    guards = staticmethod(guards)
+    jump = staticmethod(jump)
+    balance = staticmethod(balance)
+
+    def __post_init__(self) -> None:
+        within("stiffness", self.stiffness, 0.0, math.inf)
+        within("per_width", self.per_width, 0.0, math.inf)
+        within("per_time", self.per_time, 0.0, math.inf)
+        within("strained", self.strained, 0.0, 1.0)
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """The numbers that the equations take."""
+        return Parameters(
+            **self.rigid.parameters._asdict(), stiffness=self.stiffness / self.rigid.form.mass,
+            per_width=float(self.per_width), per_time=float(self.per_time),
+        )  # fmt: skip
+
+    def initial_state(
+        self, theta: float = 0.0, omega: float = 0.0, strain: float | None = None
+    ) -> tuple[tuple[float, ...], Discrete]:
+        """At rest if upright and still, else rocking on the edge that carries.
+
+        Args:
+            theta, omega: rotation [rad] and angular velocity [rad/s].
+            strain: [rad]; as `strained` says if not given.
+        """
+        y, q = self.rigid.initial_state(theta, omega)
+        if strain is None:
+            pulled = -math.expm1(-abs(theta) * self.per_width) / self.per_width if self.per_width else abs(theta)
+            strain = self.strained * math.copysign(pulled, theta)
+        return (*y, float(strain)), q
+
+    def anchor(self, y: Any, rate: Any, s: Any) -> Anchor:
+        """The centre of the edge on which the block rolls."""
+        return self.rigid.anchor(y, rate, s)

@@ -1,0 +1,90 @@
+"""What learned effects with states of their own look like: how a mass inside answers, how a torque lags.
+
+Each is drawn as what it does to the block in one plain motion, with a 95 % band to first order in what was fitted.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocking.hybrid import REST, Base, Discrete
+from rocking.hysteretic import HystereticBlock
+from rocking.inner_mass import BlockWithInnerMass, inside
+from studies.loop.model import LoopModel
+
+Array = NDArray[np.float64]
+
+POINTS = 241
+
+SWINGS = 4.0
+"""Periods of a mass that are drawn."""
+
+CYCLES = 1.25
+"""Of a torque that lags: the first quarter is the way from upright."""
+
+STEPS = 20
+"""Of the strain between two points."""
+
+STEP = 1e-4
+"""Share of a parameter by which it is varied for the band."""
+
+
+def answer(model: LoopModel) -> tuple[Array, Array]:
+    """Time [s], and the angular acceleration [rad/s^2] by the mass on a block that stops from 1 rad/s and is held.
+
+    Before that the mass was at its middle place and moved along with the block.
+    """
+    system = cast(BlockWithInnerMass, model.system)
+    par = system.parameters
+    t = np.linspace(0.0, SWINGS * 2.0 * math.pi / par.w, POINTS)
+    decay = 0.5 * par.damping
+    # Roots of the oscillator, kept apart where they would meet.
+    half = np.sqrt(complex(decay**2 - (par.w * (1.0 + 1e-9)) ** 2))
+    shift = par.h * np.real((np.exp((half - decay) * t) - np.exp((-half - decay) * t)) / (2.0 * half))
+    slide = par.h * np.real(
+        ((half - decay) * np.exp((half - decay) * t) + (half + decay) * np.exp((-half - decay) * t)) / (2.0 * half)
+    )
+    held = Discrete(REST, 1.0, 1.0)
+    still = np.zeros(POINTS)
+    moment = inside(np, (still, still, shift, slide), held, Base(0.0, 0.0), par).moment
+    return t, moment / (par.rho2 + par.H**2 + par.a**2)
+
+
+def loop(model: LoopModel, reach: float) -> tuple[Array, Array]:
+    """Rotation [rad] to the reach and back at p as frequency, and the angular acceleration [rad/s^2] by what yields."""
+    system = cast(HystereticBlock, model.system)
+    par = system.parameters
+    p = model.block.p(model.g)
+    t = np.linspace(0.0, CYCLES * 2.0 * math.pi / p, (POINTS - 1) * STEPS + 1)
+    theta, step, z = reach * np.sin(p * t), t[1], 0.0
+    strain = [z]
+    for omega in reach * p * np.cos(p * (t[:-1] + 0.5 * step)):
+        rate = abs(omega) * par.per_width + par.per_time
+        # Exact for a constant speed.
+        share = -math.expm1(-rate * step) / rate if rate > 0.0 else step
+        z += (omega - rate * z) * share
+        strain.append(z)
+    M = par.rho2 + par.H**2 + par.a**2
+    return theta[::STEPS], -par.stiffness * np.array(strain)[::STEPS] / M
+
+
+def by_parameters(draw: Callable[[LoopModel], tuple[Array, Array]], model: LoopModel, names: list[str]) -> Array:
+    """Derivatives of what is drawn by the parameters, shape (parameter, point); one-sided at the end of a range."""
+    rows = []
+    for name in names:
+        value = model.get(name)
+        step = STEP * max(abs(value), STEP)
+        ends = []
+        for moved in (value + step, value - step):
+            try:
+                ends.append((moved, draw(model.changed({name: moved}))[1]))
+            except ValueError:
+                ends.append((value, draw(model)[1]))
+        (up, above), (down, below) = ends
+        rows.append((above - below) / (up - down))
+    return np.array(rows)
