@@ -58,6 +58,17 @@ def test_the_boards_of_a_shelf_leave_the_clear_breadth_between_them(b):
     assert [left.x + right.x, bottom.x, top.x] == pytest.approx([0.0, 0.0, 0.0])
 
 
+@pytest.mark.parametrize("joint", [0.0, 0.01])
+def test_joints_of_masonry_are_as_wide_as_given_and_half_a_joint_is_left_at_either_end(joint):
+    wall = dem.running_bond(2, 3, b=0.2, h=0.1, joint=joint)
+    for level, widths in ((0.05, [0.2, 0.2, 0.2]), (0.15, [0.1, 0.2, 0.2, 0.1])):
+        course = [body for body in wall.bodies if body.z == pytest.approx(level)]
+        corners = np.array([body.x + body.shape.corners[:, 0] for body in course])
+        edges = np.concatenate([[0.0], np.cumsum(widths)])
+        assert corners.min(axis=1) == pytest.approx(edges[:-1] + 0.5 * joint)
+        assert corners.max(axis=1) == pytest.approx(edges[1:] - 0.5 * joint)
+
+
 def test_a_column_stays_still_for_a_minute_without_creep():
     run = dem.simulate_assembly(column(3), t_end=60.0, contact=STEADY, keep=["upper block"])
     # A million steps; positions of 1 m are known to 1e-16 m.

@@ -78,6 +78,13 @@ def test_block_without_friction_keeps_its_place_in_space(block):
     assert history.x[-1] == pytest.approx(-0.5 * 2.0 * 0.5**2, rel=1e-9)  # x'' = -a_x; rounding of 50,000 sums
 
 
+def test_a_base_that_is_fast_by_its_own_acceleration_is_no_instability(block):
+    # 200 m/s, many times what a fall from its own height or the springs could give the block.
+    history = dem.simulate(block(3), steady(400.0), t_end=0.5, dt=1e-5, mu=0.0, damping_ratio=0.3)
+    assert (history.outcome, history.end_time) == (dem.Outcome.MOVING, pytest.approx(0.5))
+    assert history.x[-1] == pytest.approx(-0.5 * 400.0 * 0.5**2, rel=1e-9)
+
+
 def test_a_flat_landing_takes_no_more_momentum_than_mu_times_the_normal_impulse(block):
     # Coulomb for impulses: while it slides, change of v_x = mu (change of v_z), whatever spring and dashpot do.
     history = dem.simulate(

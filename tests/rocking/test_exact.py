@@ -8,8 +8,10 @@ import pytest
 
 from rocking import Block, Method1, Method2, Mode, Outcome, solve
 from rocking.closed_forms import free_impact_time, half_sine_pulse, rectangular_pulse
-from rocking.solvers.exact.kernel import new_plan
+from rocking.solvers.exact.kernel import Sine, new_plan, next_shake, sine_interval
 from rocking.solvers.exact.solver import Exact
+from rocking.solvers.exact.step import acceleration
+from rocking.solvers.piecewise.polynomial import deflated, value
 from rocking.trajectory import BALANCE
 
 
@@ -380,3 +382,32 @@ def test_a_block_that_rests_between_two_pushes_is_saved_as_scipy_saves_it() -> N
     )
     assert run.theta[280] == 0.0 and np.abs(run.theta[320:]).max() > 0.02
     np.testing.assert_allclose(run.theta, other.theta, rtol=0.0, atol=1e-7)
+
+
+# Where the crest of a sine just passes the threshold, the samples on either side of it may both be below.
+def test_no_interval_in_which_a_sine_first_passes_the_threshold_is_taken_for_quiet() -> None:
+    p, a_rest = 4.0, 0.2 * 9.81
+    hidden = 0
+    for phase in np.linspace(-math.pi, math.pi, 200):
+        sine = Sine(20.0, phase, 0.2, 40.0)
+        dt, n = sine_interval(sine, p)
+        t = np.arange(9.5, 10.5, 1e-5)
+        first = int(t[np.argmax(np.abs(0.2 * t * np.sin(20.0 * t + phase)) > a_rest)] / dt)
+        found = next_shake(new_plan((p * p, 0.2, 9.81, 0.2, 0.9, 1e-6), dt, 8.0, 10), sine, dt, 0, n)
+        assert found <= first
+        ends = dt * np.array([first, first + 1])
+        hidden += bool(np.all(np.abs(0.2 * ends * np.sin(20.0 * ends + phase)) < a_rest))
+    assert hidden > 5
+
+
+def test_the_base_of_a_growing_sine_is_rate_times_t_times_the_sine() -> None:
+    found = [acceleration(1.5, tau, (0.0, 0.0), Sine(7.0, 0.3, 0.8, 9.0)) for tau in (0.0, 0.25, 1.0)]
+    t = np.array([1.5, 1.75, 2.5])
+    np.testing.assert_allclose(found, 0.8 * t * np.sin(7.0 * t + 0.3), rtol=1e-14)
+
+
+@pytest.mark.parametrize("roots", [0, 1, 2, 3])
+def test_a_polynomial_without_its_roots_at_zero_times_these_is_the_polynomial(roots: int) -> None:
+    c = tuple(0.0 if n < roots else (-1.0) ** n * (n + 1.0) for n in range(10))
+    for t in (0.3, 0.7, 1.1):
+        assert t**roots * value(deflated(c), t) == pytest.approx(value(c, t), rel=1e-13)

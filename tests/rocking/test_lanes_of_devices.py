@@ -11,7 +11,7 @@ import pytest
 
 from rocking.solvers.exact.jax_flight import DEGREE, first_descent
 from rocking.solvers.exact.jax_lanes import constants
-from rocking.solvers.exact.jax_rounds import chatter
+from rocking.solvers.exact.jax_rounds import TIP, Step, chatter, wanted
 
 LANES = 4000
 G = 9.81
@@ -106,3 +106,39 @@ def test_the_first_root_of_a_flight_that_turns_is_found_in_one_go() -> None:
     # Coefficients that are rounded by half a unit each move the root by so much.
     rounding = 0.5 * np.finfo(float).eps * (first * second + (first + second) * first + first**2) / (second - first)
     assert np.all(np.abs(np.asarray(at) - first) <= rounding + np.finfo(float).eps * first)
+
+
+# From level a parabola lands at the root of its own first guess; from the middle Newton would halve its way there.
+def test_a_parabola_that_falls_from_level_is_landed_on_in_one_go() -> None:
+    root = np.array([1e-6, 1e-3, 0.1])
+    with jax.enable_x64(True):
+        c = [jnp.asarray(root**2), jnp.zeros(3), -jnp.ones(3)]
+        c += [jnp.zeros(3) for _ in range(DEGREE - 2)]
+        at, lands = first_descent(c, jnp.ones(3))
+    assert np.all(np.asarray(lands))
+    np.testing.assert_allclose(np.asarray(at), root, rtol=1e-15)
+
+
+# Hollow at first and round at the end: it dips below zero and comes back, and its slope at the end is down again.
+def test_a_dip_of_a_flight_that_is_not_hollow_throughout_is_not_passed_over() -> None:
+    dips = [np.array([float(q0), -0.7, 1.0, -0.45]) for q0 in np.linspace(0.151, 0.156, 6)]
+    first = np.array([min(x.real for x in np.roots(c[::-1]) if abs(x.imag) < 1e-9 and x.real > 0.0) for c in dips])
+    assert all(c.sum() > 0.0 for c in dips) and np.all(first < 0.6)
+    with jax.enable_x64(True):
+        c = [jnp.asarray(column) for column in np.transpose(dips)]
+        c += [jnp.zeros(6) for _ in range(DEGREE - 3)]
+        at, _ = first_descent(c, jnp.ones(6))
+    assert np.all(np.asarray(at) <= first * (1.0 + 1e-12))
+
+
+# The record begins with a jump beyond what the block stands and ends its first interval as far to the other side.
+@pytest.mark.parametrize("start", [0.3, -0.3])
+def test_a_block_that_stands_tips_at_once_where_the_base_jumps(start: float) -> None:
+    with jax.enable_x64(True):
+        none = jnp.zeros(1)
+        fixed: Any = SimpleNamespace(bulge=none, alpha=none + 0.2, onset=none + 0.2)
+        moving: Any = SimpleNamespace(x=none, v=none, peak=none, rests=none == 0.0)
+        step = Step([none] * (DEGREE + 1), [none + start, none - 2.0 * start], none + 1.0, none == 0.0)
+        kind, q = wanted(fixed, moving, step)
+        at, tips = first_descent(q, step.h)
+    assert (int(kind[0]), float(at[0]), bool(tips[0])) == (TIP, 0.0, True)

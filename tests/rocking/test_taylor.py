@@ -4,6 +4,7 @@ import math
 from types import SimpleNamespace
 from typing import Any
 
+import numba
 import numpy as np
 import pytest
 
@@ -12,6 +13,10 @@ from rocking import Block, Method1, Method2, Mode, Outcome, solve, solve_batch
 from rocking.closed_forms import free_impact_time
 from rocking.solvers.arrays import taylor_batch
 from rocking.solvers.exact.batch import RampedSines, ScaledRecord, exact_batch
+from rocking.solvers.taylor import table as row
+from rocking.solvers.taylor.flight import LONGEST, glide
+from rocking.solvers.taylor.turns import bound_step
+from rocking.solvers.taylor.vector import LANES, load, store
 
 FORMS = pytest.mark.parametrize("form", ["nonlinear", "linear"])
 
@@ -326,3 +331,34 @@ def test_it_declines_in_a_sentence_what_it_cannot_carry(slender: Block, window: 
 def test_a_threshold_too_low_for_the_nonlinear_block_cannot_be_asked_for() -> None:
     with pytest.raises(TypeError, match="onset"):
         taylor_batch(RampedSines(12.0, 1.0, 10.0), p=5.0, alpha=0.3, e=0.9, t_end=1.0, onset=0.1)  # type: ignore[call-arg]
+
+
+# From its balance at rest, under u = -t: x'' = p^2 (x + t), so x = sinh(p t)/p - t and x' = cosh(p t) - 1.
+def test_a_glide_of_the_longest_step_is_that_of_the_hyperbolic_functions_to_rounding() -> None:
+    p = np.linspace(0.2, 20.0, LANES)
+    h = LONGEST / p
+
+    @numba.njit
+    def glided(t: Any, out: Any) -> None:
+        none = load(t, 0)
+        x, v, _ = glide(none, none, (none, load(t, 1)), load(t, 2), load(t, 3), none, none)
+        store(out, 0, x)
+        store(out, 1, v)
+
+    out = np.empty((2, LANES))
+    glided(np.array([np.zeros(LANES), -np.ones(LANES), h, p * p]), out)
+    terms = [LONGEST**n / math.factorial(n) for n in range(2, 16)]
+    np.testing.assert_allclose(out[0], math.fsum(terms[1::2]) / p, rtol=2e-15)
+    np.testing.assert_allclose(out[1], math.fsum(terms[::2]), rtol=2e-15)
+
+
+# An arc of curvature C is C h^2/8 above its chord. A block 4 km high takes steps of more than a second.
+@pytest.mark.parametrize("step", [0.01, 1.7])
+def test_a_flight_bulges_between_the_ends_of_a_step_by_no_more_than_is_said(step: float) -> None:
+    table = np.zeros((row.ALL_ROWS, LANES))
+    table[row.P2, 2], table[row.LIMIT, 2] = (LONGEST / step) ** 2, step
+    bound_step(table, 2, 1e9, 0.9)
+    highest = (LONGEST / step) ** 2 * (1.6 + 0.9) * step**2 / 8.0
+    assert highest <= table[row.BULGE, 2] <= highest * (1.0 + 1e-5)
+    bound_step(table, 2, 0.5 * step, 0.9)
+    assert table[row.BULGE, 2] == pytest.approx(0.25 * highest, rel=1e-5)

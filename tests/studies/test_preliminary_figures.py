@@ -1,6 +1,7 @@
 """Figs 5 and 10 to 12: made by their commands in the small version, and what their numbers must be."""
 
 import importlib
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -140,6 +141,18 @@ def test_too_few_swings_have_no_frequency():
     released = Released(specimen(1), 0.4, 0.5)
     row = fig05_fit.measured(released.run(1e4, STIFFNESS), released.elements(1e4, STIFFNESS), released)
     assert np.isnan(row.frequency) and np.isnan(row.peak) and row.change == 0.0
+
+
+def test_swings_are_counted_from_the_release_and_the_peak_is_the_fourth_s():
+    # Half swings of a sine of 2 Hz from its crest, each 0.8 times as large as the one before.
+    time = np.linspace(0.0, 2.0, 20001)
+    phase = 4.0 * np.pi * time + 0.5 * np.pi
+    history = SimpleNamespace(time=time, theta=0.1 * 0.8 ** np.floor(phase / np.pi) * np.sin(phase))
+    released = SimpleNamespace(top=lambda history: np.array([3e-3, 4e-3]))
+    row = fig05_fit.measured(history, np.zeros(2), released)
+    assert row.frequency == pytest.approx(2.0, rel=1e-6)
+    assert row.peak == pytest.approx(0.1 * 0.8**3, rel=1e-6)
+    assert row.change == pytest.approx(5e-3 / np.sqrt(2.0))
 
 
 def test_before_the_first_impact_nothing_depends_on_stiffness_or_damping():

@@ -62,6 +62,14 @@ def test_the_felling_period_is_where_the_closed_amplitude_falls_below_the_peak()
     assert least * 9.80665 * slender.alpha == pytest.approx(peak, rel=0.04)
 
 
+def test_a_block_of_a_few_millimetres_is_watched_to_the_end_of_the_longest_push(monkeypatch):
+    # A push that takes hundreds of 1/p fells what it tips, and passes West's acceleration after an eighth of it:
+    # 20/p, 0.5 s here, is over by then.
+    small = Block(b=0.002, h=0.01)
+    monkeypatch.setattr(command, "PERIODS", np.array([0.01, 8.0]))
+    assert command.felling_period(small, math.sqrt(2.0) * 0.2 * 9.80665) == 8.0
+
+
 def test_the_peak_velocity_of_one_cycle_is_peak_times_period_over_pi():
     record = command.one_cycle(3.0, 0.7)
     # v = a T / pi at half of the cycle; a spline through 200 samples.

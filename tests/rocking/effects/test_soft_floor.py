@@ -277,6 +277,19 @@ def test_the_mirror_image_swings_as_the_mirror_image(theta: float) -> None:
     assert len(one.impact_times) == len(other.impact_times) > 0
 
 
+# Of the rigid block: the centre of mass, o to the right of the middle and h/2 high, over the corner that carries.
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("offset", [0.0, 0.02])
+def test_a_block_that_is_pushed_over_passes_its_balance_on_that_side(side: float, offset: float) -> None:
+    push: dict[str, Any] = {"theta": 0.2 * side, "omega": 2.0 * side, "t_end": 2.0}
+    more = (f"eccentric_mass.offset={offset}",) if offset else ()
+    fallen = on_springs(SMALL, 1e6, 0.1, *more, **push)
+    assert (fallen.overturned, fallen.side) == (True, side)
+    there = on_springs(SMALL, 1e6, 0.1, *more, save_at=[fallen.overturning_time], **push)
+    balance = math.atan((0.075 - side * offset) / 0.25)
+    assert there.theta[0] == pytest.approx(side * balance, abs=1e-6)
+
+
 @pytest.mark.parametrize("xi", [0.0, 0.8, 1.0, 5.0])
 def test_no_damping_makes_the_contacts_switch_without_end(xi: float) -> None:
     run = on_springs(SMALL, 1.98e7, xi, theta=0.12, t_end=1.2)

@@ -188,6 +188,15 @@ def test_equation_of_motion_by_computer_algebra() -> None:
             assert found[2] == pytest.approx(float(solution[accelerations[1]]), rel=1e-12)
 
 
+def test_a_floor_s_tilt_and_its_pitch_add_up() -> None:
+    """Gravity and the floor's acceleration in the axes of a floor turned by 0.01 and 0.02 rad: those of 0.03 rad."""
+    motion = np.zeros((5, 4))
+    motion[:3, 0] = 2.0, -0.7, 0.02
+    found = event.field(0.0, motion, replace(WORLD, tilt=0.01).vector())
+    up, c, s = G - 0.7, math.cos(0.03), math.sin(0.03)
+    assert found[:2] == pytest.approx([up * s - 2.0 * c, -up * c - 2.0 * s], rel=1e-14)
+
+
 def test_left_is_the_mirror_image_of_right() -> None:
     odd = replace(WORLD, offset=0.002, tilt=0.003, radius=0.002, side=0.01, rib=0.2, rib_period=0.08, layer=3.0,
                   layer_width=0.02, slosh_mass=0.0)  # fmt: skip
@@ -245,6 +254,17 @@ def test_a_block_whose_foot_slips_starts_from_its_lean_and_falls_back_alike_from
     assert left.rotation[:2000] == pytest.approx(-right.rotation[:2000], abs=1e-12)
     # Housner's first interval: the block goes back, not over.
     assert 0.0 < right.rotation[50] < LEAN
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_block_with_friction_leaves_the_floor_when_a_growing_push_passes_wests_acceleration(side: float) -> None:
+    """a_x = 300 t passes b/h g at 10.9 ms; the step looks for it from 10.5 to 11.5 ms."""
+    pushed = np.zeros((5, 4))
+    pushed[0, 1] = -300.0 * side
+    west = BREADTH / HEIGHT * G / 300.0
+    used, velocity, lifts = slip.stand(0.0105, 0.001, pushed, 0.0, replace(WORLD, friction=0.9).vector())
+    assert 0.0105 + used == pytest.approx(west, rel=1e-12)
+    assert (velocity, lifts) == (0.0, side)
 
 
 def test_a_block_with_little_friction_slides_and_never_rocks() -> None:
