@@ -76,19 +76,9 @@ class _Leg(NamedTuple):
 
     model: int
     test: int
-    depth: int
-    peak: Peak
+    first: float  # peak at which the way begins [s]
+    depth: int  # legs before this one
     stop: float  # [s]
-    before: _Leg | None
-
-
-def _legs(last: _Leg | None) -> list[_Leg]:
-    """A leg with those before it, the last first."""
-    found = []
-    while last is not None:
-        found.append(last)
-        last = last.before
-    return found
 
 
 class Struck(NamedTuple):
@@ -222,15 +212,14 @@ class Simulator:
         soft floor forgets sooner: from one peak to the next.  What swings inside of a block or yields beside it is
         carried from the start of the record on.
         """
-        lasts = [self._path(models[job.model].system, job) for job in jobs]
-        # Windows of one record have legs in common.
-        asked = {leg: None for last in lasts for leg in _legs(last)}
-        known: dict[Any, dict[str, Any]] = {}
-        for depth in range(max((leg.depth for leg in asked), default=-1) + 1):
-            now = [leg for leg in asked if leg.depth == depth]
-            runs = [Job(leg.model, leg.test, np.array([leg.stop]), *leg.peak) for leg in now]
-            before = [known[leg.before] if leg.before is not None else {} for leg in now]
-            for leg, answer in zip(now, self._run(models, runs, before), strict=True):
+        legs: dict[_Leg, tuple[Peak, _Leg | None]] = {}
+        lasts = [self._reached(models[job.model].system, job, legs) for job in jobs]
+        known: dict[_Leg, dict[str, Any]] = {}
+        for depth in range(max((leg.depth for leg in legs), default=-1) + 1):
+            now = [(leg, peak, before) for leg, (peak, before) in legs.items() if leg.depth == depth]
+            runs = [Job(leg.model, leg.test, np.array([leg.stop]), *peak) for leg, peak, _ in now]
+            states = [known[before] if before is not None else {} for _, _, before in now]
+            for (leg, _, _), answer in zip(now, self._run(models, runs, states), strict=True):
                 known[leg] = _beside_rotation(models[leg.model].system, answer)
         remembers = [isinstance(model.system, RememberingBlock) for model in models]
         return [
@@ -238,8 +227,11 @@ class Simulator:
             for job, last in zip(jobs, lasts, strict=True)
         ]
 
-    def _path(self, system: Any, job: Job) -> _Leg | None:
-        """The last of the legs by which a job is reached; none where it begins with all that there is to know."""
+    def _reached(self, system: Any, job: Job, legs: dict[_Leg, tuple[Peak, _Leg | None]]) -> _Leg | None:
+        """The last of the legs by which a job is reached, all of them put in `legs`; none where it begins with all.
+
+        With each leg go the peak where it begins and the leg before it.  Windows of one record share theirs.
+        """
         history = job.history
         if isinstance(system, WITHIN):
             first, _ = self.spans[job.test]
@@ -248,11 +240,15 @@ class Simulator:
                 history = (Peak(first, 0.0, 0.0), *history)
         else:
             history = history[max(len(history) - _peaks_remembered(system), 0) :]
-        leg: _Leg | None = None
-        for depth, peak in enumerate(history):
-            stop = history[depth + 1].time if depth + 1 < len(history) else job.start
-            leg = _Leg(job.model, job.test, depth, peak, stop, leg)
-        return leg
+        if not history:
+            return None
+        stops = [*(peak.time for peak in history[1:]), job.start]
+        path = [_Leg(job.model, job.test, history[0].time, k, stop) for k, stop in enumerate(stops)]
+        for k in range(len(path) - 1, -1, -1):
+            if path[k] in legs:
+                break
+            legs[path[k]] = history[k], path[k - 1] if k else None
+        return path[-1]
 
     def _run(self, models: Sequence[LoopModel], jobs: Sequence[Job], carried: Sequence[dict[str, Any]]) -> list[Answer]:
         systems = [model.system for model in models]
