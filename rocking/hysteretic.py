@@ -7,7 +7,7 @@ A spring in rotation that slips once it is strained by about its width (Dahl's f
 
 Source   Dahl (1968), A solid friction model, TOR-0158(3107-18)-1, The Aerospace Corporation; Maxwell (1867),
          Phil. Trans. R. Soc. 157, 49-88.
-Status   closed forms of loop and relaxation, the energy that a cycle loses, elastic and slack limits (tests).
+Status   Dahl's curve, the equation by another integrator, the elastic limit and what it holds at rest (tests).
 """
 
 from __future__ import annotations

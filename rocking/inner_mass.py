@@ -11,8 +11,9 @@ where M and [...] are those of `rocking.composed` with the mass in its middle pl
 the mass over that of the corner, does not jump at an impact, since a spring carries no impulse.
 
 Source   own derivation (Lagrange's equations of the two bodies).
-Status   MuJoCo from swing to swing, the energy balance, the static lean and the rigid limit (tests).  With edges that
-         are rounded the way that the corner rolls is not in the lever of the mass.
+Status   MuJoCo within a swing, the oscillator in a block at rest, lift-off and the rigid limit (tests).  A restitution
+         does not know where the mass is, so that one near 1 may add a little energy.  Where edges are rounded the
+         lever of the mass leaves out how far the corner has rolled.
 """
 
 from __future__ import annotations
@@ -155,7 +156,7 @@ class BlockWithInnerMass(OnRigidBlock):
 
         Args:
             theta, omega: rotation [rad] and angular velocity [rad/s].
-            shift: of the mass in the block [m]; where it hangs still at this lean, the base at rest, if not given.
+            shift: of the mass in the block [m]; where it hangs still at this lean on a level base if not given.
             slide: its velocity in the block [m/s].
         """
         y, q = self.rigid.initial_state(theta, omega)

@@ -7,7 +7,7 @@ Use when    what is left depends on the way to a rotation and not on the rotatio
             cables that rub, a pad that creeps
 Limits      one element; it goes with effects on form, flow and impact, and not with a floor that gives or other modes
 Source      Dahl (1968), TOR-0158(3107-18)-1, The Aerospace Corporation; Maxwell (1867), Phil. Trans. R. Soc. 157, 49-88
-Status      closed forms of loop and relaxation, and the absent value (tests)
+Status      Dahl's curve, another integrator, and the absent value (tests)
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class LearnedHysteresis(Effect):
     name: ClassVar[str] = "learned_hysteresis"
     units: ClassVar[dict[str, str]] = {"stiffness": "N m/rad", "width": "rad", "time": "s", "strained": "1"}
     ranges: ClassVar[dict[str, tuple[float, float]]] = {
-        "stiffness": (0.0, 1e15),
+        "stiffness": (0.0, 1e12),
         "width": (1e-9, 1e9),
         "time": (1e-9, 1e9),
         "strained": (0.0, 1.0),

@@ -9,7 +9,7 @@ Use when    what is left goes on in time with itself from swing to swing: conten
 Limits      one mode, along the base, and no stop to it; it goes with effects on form, flow and impact, and not with a
             floor that gives or other modes
 Source      two bodies and a spring; `rocking.inner_mass`
-Status      MuJoCo from swing to swing, and the absent value (tests)
+Status      MuJoCo within a swing, and the absent value (tests)
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocking.effects.learned_curve import EVEN, ODD, curve, numbers
-from studies.loop.learned_in_time import answer, by_parameters, loop
+from studies.loop.learned_in_time import answer, by_parameters, loop, ringing, there_and_back
 from studies.loop.learning import CURVE, HYSTERESIS, MEMORY, MODE, READING, TERM
 from studies.loop.model import DRIFT, LoopModel
 from studies.loop.preparing import Setup
@@ -125,22 +125,28 @@ def curves(setup: Setup, settled: Settled) -> tuple[Curve, ...]:
 def _in_time(setup: Setup, settled: Settled, held: Mapping[str, int]) -> list[Curve]:
     """A mass that swings, and what slips or creeps."""
     model, found = settled.whole.model, []
-    reach = _reach(setup, "rotation")
-    forms: tuple[tuple[str, _Part, Callable[[LoopModel], tuple[Array, Array]]], ...] = (
-        (MODE, _Part(
+
+    def drawn(effect: str, part: _Part, x: Array, draw: Callable[[LoopModel], Array]) -> Curve:
+        own = [name for name in held if name.startswith(f"{effect}.")]
+        rows = by_parameters(draw, model, own)
+        return _banded(part, x, draw(model), rows, [held[name] for name in own], settled)
+
+    if f"{MODE}.mass_ratio" in held:
+        part = _Part(
             "A mass inside: torque after a stop",
             "By a mass that swings in a block which stops from 1 rad/s and is held upright then.",
-            "time [s]", TORQUE, {}), answer),
-        (HYSTERESIS, _Part(
+            "time [s]", TORQUE, {},
+        )  # fmt: skip
+        times = ringing(model)
+        found.append(drawn(MODE, part, times, lambda m: answer(m, times)))
+    if f"{HYSTERESIS}.stiffness" in held:
+        part = _Part(
             "Torque that lags, against rotation",
             "From upright to the largest rotation, to the other side and back, as fast as a pendulum of the block's p.",
-            "rotation [rad]", TORQUE, {}), lambda m: loop(m, reach)),
-    )  # fmt: skip
-    for effect, part, draw in forms:
-        own = [name for name in held if name.startswith(f"{effect}.")]
-        if own:
-            x, y = draw(model)
-            found.append(_banded(part, x, y, by_parameters(draw, model, own), [held[name] for name in own], settled))
+            "rotation [rad]", TORQUE, {},
+        )  # fmt: skip
+        reach = _reach(setup, "rotation")
+        found.append(drawn(HYSTERESIS, part, there_and_back(reach), lambda m: loop(m, reach)))
     return found
 
 
@@ -204,6 +210,8 @@ def _linear(
 
 def _banded(part: _Part, x: Array, y: Array, rows: Array, places: list[int], settled: Settled) -> Curve:
     """The curve y with a band; rows: its derivatives by the parameters at these places, shape (parameter, point)."""
+    acting = np.any(rows != 0.0, axis=1)  # what has no say in it may be known as little as it likes
+    rows, places = rows[acting], [place for place, acts in zip(places, acting, strict=True) if acts]
     covariance = settled.covariance[np.ix_(places, places)]
     with np.errstate(invalid="ignore"):  # nothing is known of a parameter whose variance is infinite
         variance = np.einsum("ki,kl,li->i", rows, covariance, rows)

@@ -34,14 +34,19 @@ STEP = 1e-4
 """Share of a parameter by which it is varied for the band."""
 
 
-def answer(model: LoopModel) -> tuple[Array, Array]:
-    """Time [s], and the angular acceleration [rad/s^2] by the mass on a block that stops from 1 rad/s and is held.
+def ringing(model: LoopModel) -> Array:
+    """Times [s] over which a mass is drawn."""
+    par = cast(BlockWithInnerMass, model.system).parameters
+    return np.linspace(0.0, SWINGS * 2.0 * math.pi / par.w, POINTS)
+
+
+def answer(model: LoopModel, t: Array) -> Array:
+    """Angular acceleration [rad/s^2] by the mass on a block that stops from 1 rad/s and is held, at times [s] after.
 
     Before that the mass was at its middle place and moved along with the block.
     """
     system = cast(BlockWithInnerMass, model.system)
     par = system.parameters
-    t = np.linspace(0.0, SWINGS * 2.0 * math.pi / par.w, POINTS)
     decay = 0.5 * par.damping
     # Roots of the oscillator, kept apart where they would meet.
     half = np.sqrt(complex(decay**2 - (par.w * (1.0 + 1e-9)) ** 2))
@@ -52,16 +57,21 @@ def answer(model: LoopModel) -> tuple[Array, Array]:
     held = Discrete(REST, 1.0, 1.0)
     still = np.zeros(POINTS)
     moment = inside(np, (still, still, shift, slide), held, Base(0.0, 0.0), par).moment
-    return t, moment / (par.rho2 + par.H**2 + par.a**2)
+    return np.asarray(moment / system.rigid.form.angular_inertia(1.0))
 
 
-def loop(model: LoopModel, reach: float) -> tuple[Array, Array]:
-    """Rotation [rad] to the reach and back at p as frequency, and the angular acceleration [rad/s^2] by what yields."""
+def there_and_back(reach: float) -> Array:
+    """Rotation [rad] to the reach, to the other side and back, at p as frequency."""
+    return reach * np.sin(np.linspace(0.0, CYCLES * 2.0 * math.pi, POINTS))
+
+
+def loop(model: LoopModel, reach: float) -> Array:
+    """Angular acceleration [rad/s^2] by what yields along `there_and_back`."""
     system = cast(HystereticBlock, model.system)
     par = system.parameters
     p = model.block.p(model.g)
     t = np.linspace(0.0, CYCLES * 2.0 * math.pi / p, (POINTS - 1) * STEPS + 1)
-    theta, step, z = reach * np.sin(p * t), t[1], 0.0
+    step, z = t[1], 0.0
     strain = [z]
     for omega in reach * p * np.cos(p * (t[:-1] + 0.5 * step)):
         rate = abs(omega) * par.per_width + par.per_time
@@ -69,11 +79,10 @@ def loop(model: LoopModel, reach: float) -> tuple[Array, Array]:
         share = -math.expm1(-rate * step) / rate if rate > 0.0 else step
         z += (omega - rate * z) * share
         strain.append(z)
-    M = par.rho2 + par.H**2 + par.a**2
-    return theta[::STEPS], -par.stiffness * np.array(strain)[::STEPS] / M
+    return -par.stiffness * np.array(strain)[::STEPS] / system.rigid.form.angular_inertia(1.0)
 
 
-def by_parameters(draw: Callable[[LoopModel], tuple[Array, Array]], model: LoopModel, names: list[str]) -> Array:
+def by_parameters(draw: Callable[[LoopModel], Array], model: LoopModel, names: list[str]) -> Array:
     """Derivatives of what is drawn by the parameters, shape (parameter, point); one-sided at the end of a range."""
     rows = []
     for name in names:
@@ -82,9 +91,9 @@ def by_parameters(draw: Callable[[LoopModel], tuple[Array, Array]], model: LoopM
         ends = []
         for moved in (value + step, value - step):
             try:
-                ends.append((moved, draw(model.changed({name: moved}))[1]))
+                ends.append((moved, draw(model.changed({name: moved}))))
             except ValueError:
-                ends.append((value, draw(model)[1]))
+                ends.append((value, draw(model)))
         (up, above), (down, below) = ends
         rows.append((above - below) / (up - down))
     return np.array(rows)

@@ -43,6 +43,9 @@ TERM, CURVE, MEMORY, READING, MODE, HYSTERESIS = LEARNED = (
 )  # fmt: skip
 """Effects that say how a residual looks and not what it comes from."""
 
+FREEDOMS = (MEMORY, MODE, HYSTERESIS)
+"""Those of them with states of their own, of which a block has one set."""
+
 FURTHEST = 1.02
 """Where a curve ends, over the largest peak of the swings."""
 
@@ -51,6 +54,9 @@ NEAR_UPRIGHT = 0.2
 
 MODES = (0.5, 1.0, 2.0, 4.0, 8.0)
 """Circular frequencies over the block's p from which a mode is tried."""
+
+HIGHEST = 2.0
+"""Height of a mass inside over that of the centre of mass that is not passed."""
 
 WIDTHS = (0.02, 0.1, 0.5)
 """Strains over the slenderness angle at which something may slip."""
@@ -135,11 +141,16 @@ def memories(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
     return tuple(found)
 
 
-def inner(block: DeclaredBlock) -> tuple[Candidate, ...]:
+def inner(block: DeclaredBlock, released: bool) -> tuple[Candidate, ...]:
     """What goes on in time within a block or beside it: a mass that swings, something that slips or that creeps.
 
     None enters linearly but by its size, which is what is fitted first.
+
+    released: whether a block was let go from a lean, to which it had been pulled.
     """
+    H = block.centre_height
+    # Within the block, and with less than the moment of inertia of the whole.
+    heaviest = min(0.4, 0.8 * (block.I_c / block.mass + H**2) / ((HIGHEST * H) ** 2 + (0.5 * block.breadth) ** 2))
     p, alpha, moment = block.p(), block.alpha, block.mass * G_STANDARD * block.R
     size, height, frequency, damping = (
         f"{MODE}.{name}" for name in ("mass_ratio", "height_ratio", "frequency", "damping_ratio")
@@ -147,28 +158,38 @@ def inner(block: DeclaredBlock) -> tuple[Candidate, ...]:
     swinging = Candidate(
         "learned[mode]", MODE,
         (
-            Parameter(size, 0.005, 0.0, 0.4), Parameter(height, 0.2, 0.0, 4.0),
-            Parameter(frequency, 0.1, 0.02 * p, 20.0 * p, log=True), Parameter(damping, 0.3, 1e-3, 3.0, log=True),
+            Parameter(size, 0.005, 0.0, heaviest), Parameter(height, 0.2, 0.0, HIGHEST),
+            Parameter(frequency, 0.1, 0.02 * p, 3.0 * p, log=True), Parameter(damping, 0.3, 1e-3, 3.0, log=True),
         ),
         tuple({size: 0.005, height: 1.0, frequency: share * p / (2.0 * math.pi), damping: 0.1} for share in MODES),
         {}, smooth=False, scouts=(size,),
     )  # fmt: skip
     size, width, time, strained = (f"{HYSTERESIS}.{name}" for name in ("stiffness", "width", "time", "strained"))
     held = Parameter(size, 0.01 * moment, 0.0, 100.0 * moment)
-    pulled = Parameter(strained, 0.3, 0.0, 1.0)
+    pulled = (Parameter(strained, 0.3, 0.0, 1.0),) if released else ()
+    half = {strained: 0.5} if released else {}
     slipping = Candidate(
         "learned[hysteresis]", HYSTERESIS,
-        (held, Parameter(width, 0.3, 1e-4 * alpha, 10.0 * alpha, log=True), pulled),
-        tuple({size: 0.02 * moment, width: share * alpha, strained: 0.5} for share in WIDTHS),
+        (held, Parameter(width, 0.3, 1e-4 * alpha, 10.0 * alpha, log=True), *pulled),
+        tuple({size: 0.02 * moment, width: share * alpha, **half} for share in WIDTHS),
         {}, smooth=False, scouts=(size,),
     )  # fmt: skip
     creeping = Candidate(
         "learned[relaxation]", HYSTERESIS,
-        (held, Parameter(time, 0.3, 1e-3 / p, 1e3 / p, log=True), pulled),
-        tuple({size: 0.02 * moment, time: share / p, strained: 0.5} for share in TIMES),
+        (held, Parameter(time, 0.3, 1e-3 / p, 1e3 / p, log=True), *pulled),
+        tuple({size: 0.02 * moment, time: share / p, **half} for share in TIMES),
         {}, smooth=False, scouts=(size,),
     )  # fmt: skip
     return swinging, slipping, creeping
+
+
+def open_to(trial: Trial, pool: Sequence[Candidate]) -> list[Candidate]:
+    """Those of a pool that have no parameter of the trial, and no states of their own beside what has some already."""
+    fitted, within = {p.name for p in trial.parameters}, {effect for effect in trial.effects if effect in FREEDOMS}
+    return [
+        c for c in pool
+        if not fitted & {p.name for p in c.parameters} and (c.effect not in FREEDOMS or within <= {c.effect})
+    ]  # fmt: skip
 
 
 def learn(simulator: Simulator, onto: Trial, tell: Callable[[str], None], rival: Trial | None = None) -> Trial:
@@ -183,7 +204,7 @@ def learn(simulator: Simulator, onto: Trial, tell: Callable[[str], None], rival:
     pool = (
         *terms(declared),
         *(c for form in (readings, profiles, memories) for c in form(declared, onto.swing.windows)),
-        *inner(declared),
+        *inner(declared, any(test.kind == "free" for test in simulator.tests)),
     )
     for count in range(MOST_TERMS):
         gained = onto.swing.chi2 - current.swing.chi2
@@ -191,9 +212,7 @@ def learn(simulator: Simulator, onto: Trial, tell: Callable[[str], None], rival:
             break
         if current.swing.rms * (1.0 - LEAST_GAIN) < LEAST_LEFT * noise:
             break
-        fitted = {p.name for p in current.parameters}
-        open_to_it = [c for c in pool if not fitted & {p.name for p in c.parameters}]
-        tried = search(simulator, current, open_to_it, tell, repeated=True)
+        tried = search(simulator, current, open_to(current, pool), tell, repeated=True)
         best = tried.best
         if best is None or not pays(current.swing, best.swing):
             break

@@ -81,6 +81,14 @@ class _Leg(NamedTuple):
     stop: float  # [s]
 
 
+def _as_it_was(model: LoopModel, peak: Peak) -> Peak:
+    """A peak of a record as the model takes its sensor; as it was read where that says nothing."""
+    if not any("reading" in part.ways() for part in model.parts):
+        return peak
+    theta = float(model.rotation(peak.theta))
+    return Peak(peak.time, theta, peak.omega / float(model.reading_slope(theta))) if math.isfinite(theta) else peak
+
+
 class Struck(NamedTuple):
     """Impacts of a record before some time that ended a swing: how many, and how long ago the last one was [s]."""
 
@@ -101,7 +109,7 @@ class Job:
     start: float  # [s]
     theta: float = 0.0  # true rotation at the start [rad]
     omega: float = 0.0  # [rad/s]
-    history: tuple[Peak, ...] = ()  # peaks before the start, which say how fast the block slips there
+    history: tuple[Peak, ...] = ()  # readings at the peaks before the start
     struck: Struck = NEVER  # impacts before the start
 
 
@@ -213,11 +221,14 @@ class Simulator:
         carried from the start of the record on.
         """
         legs: dict[_Leg, tuple[Peak, _Leg | None]] = {}
-        lasts = [self._reached(models[job.model].system, job, legs) for job in jobs]
+        lasts = [self._reached(models[job.model], job, legs) for job in jobs]
         known: dict[_Leg, dict[str, Any]] = {}
         for depth in range(max((leg.depth for leg in legs), default=-1) + 1):
             now = [(leg, peak, before) for leg, (peak, before) in legs.items() if leg.depth == depth]
-            runs = [Job(leg.model, leg.test, np.array([leg.stop]), *peak) for leg, peak, _ in now]
+            runs = [
+                Job(leg.model, leg.test, np.array([leg.stop]), *_as_it_was(models[leg.model], peak))
+                for leg, peak, _ in now
+            ]
             states = [known[before] if before is not None else {} for _, _, before in now]
             for (leg, _, _), answer in zip(now, self._run(models, runs, states), strict=True):
                 known[leg] = _beside_rotation(models[leg.model].system, answer)
@@ -227,17 +238,17 @@ class Simulator:
             for job, last in zip(jobs, lasts, strict=True)
         ]
 
-    def _reached(self, system: Any, job: Job, legs: dict[_Leg, tuple[Peak, _Leg | None]]) -> _Leg | None:
+    def _reached(self, model: LoopModel, job: Job, legs: dict[_Leg, tuple[Peak, _Leg | None]]) -> _Leg | None:
         """The last of the legs by which a job is reached, all of them put in `legs`; none where it begins with all.
 
         With each leg go the peak where it begins and the leg before it.  Windows of one record share theirs.
         """
-        history = job.history
+        history, system = job.history, model.system
         if isinstance(system, WITHIN):
             first, _ = self.spans[job.test]
             # What a shaken block carries has been shaken since the start of the record.
             if self.tests[job.test].kind != "free" and job.start > first:
-                history = (Peak(first, 0.0, 0.0), *history)
+                history = (Peak(first, float(model.reading(0.0)), 0.0), *history)
         else:
             history = history[max(len(history) - _peaks_remembered(system), 0) :]
         if not history:

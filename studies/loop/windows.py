@@ -80,7 +80,9 @@ class Window:
     lean_read: bool = True  # which of the two
     sd: Array | None = None  # standard deviation of each datum, where it is more than the noise
     sides: NDArray[np.int64] | None = None  # at the times; accelerometers are compared where the model is on this side
-    history: tuple[Peak, ...] = ()  # the peaks right before the start, from which slip is carried over
+    history: tuple[
+        Peak, ...
+    ] = ()  # readings at the peaks before the start, from which slip and the like is carried over
     seen: Peak | None = None  # the state at the start as the record alone shows it
     struck: Struck = NEVER  # the impacts before the start
 
@@ -240,6 +242,11 @@ def swing_windows(records: Sequence[Record], swings: int = 1) -> list[Window]:
     for number, record in enumerate(records):
         rows = _anchors(record)
         peaks = [peak for row in rows for peak in row]
+        start = float(record.time[0])
+        # A release whose first samples are lost is still where the block comes from.
+        released = [Peak(start, record.lean, 0.0)] if record.kind == "free" and record.lean != 0.0 else []
+        if peaks and peaks[0].time > start:
+            peaks = [*released, *peaks]
         for row in (row for row in rows if len(row) > 1):
             first = peaks.index(row[0])
             for k in range(0, len(row) - 1, swings):

@@ -5,6 +5,7 @@ Free decays from both sides, with noise; the truth of each is a number of the la
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from rocking.remembering import LONG_AGO
 from studies.campaigns import Channel, DeclaredBlock, Test
 from studies.laboratory import event, table
 from studies.laboratory.parameters import G, World, uniform
-from studies.loop.learning import inner, learn, memories, profiles, readings
+from studies.loop.learning import inner, learn, memories, open_to, profiles, readings
 from studies.loop.model import LoopModel
 from studies.loop.observing import jobs_of
 from studies.loop.simulation import Job, Simulator
@@ -134,7 +135,7 @@ def test_what_may_be_learned_is_nothing_at_first() -> None:
     job = jobs_of(plain.swing.windows[:1], 0)
     ideal = simulator.run([plain.swing.model], job)[0].theta
     forms = (c for form in (readings, profiles, memories) for c in form(DECLARED, plain.swing.windows))
-    for candidate in (*forms, *inner(DECLARED)):
+    for candidate in (*forms, *inner(DECLARED, True)):
         model = plain.swing.model.changed(candidate.absent(DECLARED))
         assert model.parts
         np.testing.assert_allclose(simulator.run([model], job)[0].theta, ideal, rtol=0.0, atol=1e-8)
@@ -146,11 +147,20 @@ INSIDE = {
 }
 
 
+SENSOR = {"rotation_gain": {"gain": 0.9}, "rotation_offset": {"offset": 0.004}}
+
+
 @pytest.mark.parametrize("name", INSIDE)
-@pytest.mark.parametrize("kind", ["free", "forced"])
-def test_a_window_begins_with_what_goes_on_inside(name: str, kind: str) -> None:
-    """Of a record that the model itself made each swing is met from its peak on, though no rotation shows all of it."""
-    model, n = LoopModel(DECLARED, E, {name: INSIDE[name]}, G), 1001
+@pytest.mark.parametrize(
+    ("kind", "sensor", "lost"),
+    [("free", {}, 0), ("forced", {}, 0), ("free", SENSOR, 0), ("forced", SENSOR, 0), ("free", {}, 60)],
+)
+def test_a_window_begins_with_what_goes_on_inside(name: str, kind: str, sensor: dict[str, Any], lost: int) -> None:
+    """Of a record that the model itself made each swing is met from its peak on, though no rotation shows all of it.
+
+    Also with a sensor that is off, and with the first samples after the release lost.
+    """
+    model, n = LoopModel(DECLARED, E, {name: INSIDE[name]} | sensor, G), 1001
     time = STEP * np.arange(n)
     push = 5.0 * np.sin(2.0 * np.pi * 3.0 * time) * (time < 2.5) if kind == "forced" else np.zeros(n)
     base = (Channel("base", "base_acceleration_x", 1e-3),) if kind == "forced" else ()
@@ -158,11 +168,15 @@ def test_a_window_begins_with_what_goes_on_inside(name: str, kind: str) -> None:
     blank = Test("own", kind, time, channels, {"base": push, "rotation": np.zeros(n)})
     lean = 0.2 if kind == "free" else 0.0
     made = Simulator([blank]).run([model], [Job(0, 0, time, 0.0, lean, 0.0)])[0]
-    record = record_of(replace(blank, data={"base": push, "rotation": made.theta}), 0, 1e-6, DECLARED.alpha)
+    read = np.where(np.arange(n) < lost, np.nan, model.reading(made.theta))
+    aimed = lean if kind == "free" else None
+    seen = replace(blank, data={"base": push, "rotation": read}, initial_rotation=aimed)
+    record = record_of(seen, 0, 1e-6, DECLARED.alpha)
     assert record is not None
     windows = swing_windows([record])
     assert len(windows) >= 4
-    simulator = Simulator([replace(blank, data={"base": push, "rotation": made.theta})])
+    assert windows[0].start > 0.3 or not lost
+    simulator = Simulator([seen])
     starts = simulator.run([model], [Job(0, 0, np.array([w.start for w in windows]), 0.0, lean, 0.0)])[0]
     windows = [w.moved(theta, omega) for w, (theta, omega) in zip(windows, starts.y[:, :2], strict=True)]
 
@@ -177,6 +191,25 @@ def test_a_window_begins_with_what_goes_on_inside(name: str, kind: str) -> None:
     # From what a rotation shows alone it is not; a shaken block is followed from the start of its record anyway.
     if kind == "free":
         assert missed([replace(w, history=()) for w in windows]) > 2e-4
+
+
+def test_what_has_states_of_its_own_is_learned_once() -> None:
+    """Beside a mode no other form with states is tried; what the memory of a restitution lacks may still be added."""
+    _, plain = decays(IDEAL)
+    remembered, recent = memories(DECLARED, plain.swing.windows)
+    mode, slipping, creeping = inner(DECLARED, True)
+    pool = [mode, slipping, creeping, remembered, recent, *readings(DECLARED, plain.swing.windows)]
+    assert open_to(plain, pool) == pool
+    assert open_to(plain.with_(mode, plain.swing), pool) == pool[5:]
+    assert open_to(plain.with_(slipping, plain.swing), pool) == pool[5:]  # what creeps has the same stiffness
+    assert open_to(plain.with_(remembered, plain.swing), pool) == pool[4:]
+
+
+def test_a_release_alone_says_how_far_something_was_strained() -> None:
+    pulled = "learned_hysteresis.strained"
+    for released in (True, False):
+        _, *held = inner(DECLARED, released)
+        assert [pulled in {p.name for p in c.parameters} for c in held] == [released] * 2
 
 
 def test_impacts_of_a_record_are_those_of_a_run_though_the_base_trembles() -> None:

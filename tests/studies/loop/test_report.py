@@ -198,6 +198,22 @@ def test_a_learned_mode_is_drawn_as_a_mass_that_swings():
     np.testing.assert_allclose(curve.high - curve.y, 1.96 * 0.05 * np.abs(curve.y), rtol=1e-6, atol=1e-12)
 
 
+def test_an_uncertain_frequency_widens_the_band_with_time():
+    """Undamped the torque is A sin(w t), A = mu m h (g / w + h w) / I_O: its derivative by w at a given time."""
+    values = {"learned_mode.mass_ratio": 0.02, "learned_mode.height_ratio": 1.2, "learned_mode.frequency": 2.0,
+              "learned_mode.damping_ratio": 0.0}  # fmt: skip
+    finding = retold(values, np.diag([0.0, 0.0, 1e-4, 0.0]))
+    [curve] = finding.learned
+    block, w, g = finding.setup.campaign.block, 2.0 * math.pi * 2.0, finding.after.g
+    height = 1.2 * block.centre_height
+    size = 0.02 * block.mass * height * (g / w + height * w) / block.I_O
+    by_w = 0.02 * block.mass * height * (height - g / w**2) / block.I_O
+    np.testing.assert_allclose(curve.y, size * np.sin(w * curve.x), rtol=0.0, atol=1e-6 * size)
+    slope = 2.0 * math.pi * (by_w * np.sin(w * curve.x) + size * curve.x * np.cos(w * curve.x))
+    expected = 1.96 * 0.01 * np.abs(slope)
+    np.testing.assert_allclose(curve.high - curve.y, expected, rtol=0.0, atol=1e-4 * expected.max())
+
+
 def test_a_learned_hysteresis_is_drawn_as_a_loop():
     """Dahl's curve from upright to the reach; the spring alone, whose size is uncertain, for the band."""
     values = {"learned_hysteresis.stiffness": 40.0, "learned_hysteresis.width": 0.03}
@@ -208,6 +224,10 @@ def test_a_learned_hysteresis_is_drawn_as_a_loop():
     np.testing.assert_allclose(curve.y[first], expected, rtol=0.0, atol=1e-4 * np.abs(expected).max())
     assert curve.y[-1] == pytest.approx(curve.y[first][-1], rel=1e-2)  # the loop closes
     np.testing.assert_allclose(curve.high - curve.y, 1.96 * 0.1 * np.abs(curve.y), rtol=1e-6, atol=1e-12)
+    # Nothing is known of how far it was strained at a release, which has no say in the loop.
+    values |= {"learned_hysteresis.strained": 0.5}
+    [same] = retold(values, np.diag([16.0, 0.0, math.inf])).learned
+    np.testing.assert_allclose(same.high, curve.high, rtol=1e-12)
 
 
 def test_what_a_sensor_adds_is_drawn_over_the_rotation():
