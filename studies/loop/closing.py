@@ -293,7 +293,8 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
         return named, "effect" if named.parts else "none"
     tell("learning what no effect explains")
     # Effects may stand for something unnamed, several of them above all: learning starts from the calibrated block too.
-    routes = [learn(setup.simulator, plain, tell, named)]
+    # Where they leave nothing, what goes on from swing to swing is not tried in their place: it takes long.
+    routes = [learn(setup.simulator, plain, tell, named, going_on=structured)]
     # Beside a floor that gives there is no restitution that a term could bear on.
     if named is not plain and not named.costly:
         routes.append(learn(setup.simulator, named, tell))

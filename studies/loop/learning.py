@@ -192,10 +192,13 @@ def open_to(trial: Trial, pool: Sequence[Candidate]) -> list[Candidate]:
     ]  # fmt: skip
 
 
-def learn(simulator: Simulator, onto: Trial, tell: Callable[[str], None], rival: Trial | None = None) -> Trial:
+def learn(
+    simulator: Simulator, onto: Trial, tell: Callable[[str], None], rival: Trial | None = None, going_on: bool = True
+) -> Trial:
     """The trial with the coefficients that pay; itself if none does.
 
     rival: what has to be reached; the search ends early where it plainly is not.
+    going_on: whether forms with states that go on from swing to swing are tried too; their runs take long.
     """
     current = onto
     declared = onto.swing.model.declared
@@ -204,7 +207,7 @@ def learn(simulator: Simulator, onto: Trial, tell: Callable[[str], None], rival:
     pool = (
         *terms(declared),
         *(c for form in (readings, profiles, memories) for c in form(declared, onto.swing.windows)),
-        *inner(declared, any(test.kind == "free" for test in simulator.tests)),
+        *(inner(declared, any(test.kind == "free" for test in simulator.tests)) if going_on else ()),
     )
     for count in range(MOST_TERMS):
         gained = onto.swing.chi2 - current.swing.chi2

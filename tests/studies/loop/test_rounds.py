@@ -316,7 +316,9 @@ def test_what_was_learned_takes_the_place_of_names_where_it_explains_far_more(mo
     monkeypatch.setattr(closing, "_structure", lambda setup: 1.03)
     monkeypatch.setattr(closing, "memories", lambda block, windows: ())
     monkeypatch.setattr(closing, "search", lambda *_: SimpleNamespace(best=other))
-    monkeypatch.setattr(closing, "learn", lambda simulator, onto, tell, rival=None: other if onto is plain else onto)
+    monkeypatch.setattr(
+        closing, "learn", lambda simulator, onto, tell, rival=None, going_on=True: other if onto is plain else onto
+    )
     setup = SimpleNamespace(by_rotation=True, simulator=None, records=[])
     chosen, verdict = closing._explained(setup, plain, found, lambda text: None)
     assert verdict == ends
