@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies.campaigns import Campaign
-from studies.loop.candidates import Candidate
 from studies.loop.fitting import Fit
 from studies.loop.keeping import Keeper
 from studies.loop.learned_curves import Curve, curves
@@ -22,64 +21,30 @@ from studies.loop.learning import LEARNED, learn, memories
 from studies.loop.model import LoopModel
 from studies.loop.names import readable
 from studies.loop.preparing import Setup, prepare
+from studies.loop.remaining import MISSED_BY_FAR, by_chance, missed, over_noise, slips, structure, unexplained
 from studies.loop.revising import Revision, revised
 from studies.loop.rivals import Rival, near_all, standing, twins
+from studies.loop.rounds import traced
 from studies.loop.scoring import Errors, errors, leaning, median
-from studies.loop.settling import Settled, gain, intervals, reweighed, settle, telling, whole_fit
+from studies.loop.settling import Settled, intervals, settle, whole_fit
 from studies.loop.spread import floor, variances
 from studies.loop.tracing import (
-    LEAST_GAIN,
     PAYS,
     Round,
     Trial,
-    all_candidates,
     baseline,
     bic,
-    pays,
     search,
-    search_costly,
 )
-from studies.loop.whole_records import HINT, asked, explains_more, merged, ranked
-from studies.loop.windows import PEAK_OVER_NOISE, SIDE, scored_window
+from studies.loop.whole_records import explains_more
+from studies.loop.windows import scored_window
 
 Array = NDArray[np.float64]
 Tell = Callable[[str], None]
 Verdict = Literal["effect", "none", "unexplained"]
-Accepted = tuple[Trial, Fit]
-"""A trial and its fit on whole records."""
 
 STANDARD_GRAVITY = 9.81
 """Gravity [m/s^2] where the laboratory does not say its own."""
-
-MOST_EFFECTS = 3
-
-MOST_EFFECTS_COSTLY = 2
-"""The same where runs take long."""
-
-NOTHING_LEFT = 1.02
-"""Rms over the noise in the swings below which no third effect is looked for."""
-
-MISSED_BY_FAR = 3.0
-"""Rms of whole records over their noise that cannot be called explained."""
-
-MISSED_RECORDS = 2
-"""So many of them have to be missed so: one may be lost to an impact that hung on the noise of the base."""
-
-STRUCTURE = 1.03
-"""Rms in the swings over what the noise leaves of it from which structure is left: four of its standard deviations in
-ten thousand samples."""
-
-STRUCTURE_OF_ESTIMATED = 1.08
-"""The same where the noise is not declared but estimated from the records."""
-
-UNEXPLAINED = 1.05
-"""And from which it is too much to speak of an effect alone even where nothing can be learned."""
-
-UNEXPLAINED_OF_ESTIMATED = 1.3
-"""The same where the noise is estimated."""
-
-
-OF_THE_ROTATION_SENSOR = ("rotation_gain", "rotation_offset")
 
 
 @dataclass(frozen=True)
@@ -148,20 +113,21 @@ def close(
     setup = prepare(campaign, declared, keeper)
     tell("calibrating the ideal block")
     plain = baseline(setup.simulator, setup.start, setup.swings, gravity=g is None and setup.reads_gravity)
-    path, rounds, fits, rivals, decided = _traced(setup, plain, tell)
-    named = Revision(path[-1], fits[-1], tuple(rounds[: len(path) - 1]))
+    path = traced(setup, plain, tell)
+    rivals, rounds = path.rivals, path.rounds
+    named = Revision(path.trials[-1], path.fits[-1], tuple(rounds[: len(path.trials) - 1]))
     if not rivals:
-        named = revised(setup, plain, path[-1], fits[-1], rounds, tell)
+        named = revised(setup, plain, path.trials[-1], path.fits[-1], rounds, tell)
     tell("comparing rivals")
     if not rivals and named.trial.parts:
         near = near_all(setup, named.rounds, named.trial, named.whole)
         rivals = _borne_out(setup, near, named.trial, named.whole)
     stands, whole = (rivals[0].trial, rivals[0].whole) if rivals else (named.trial, named.whole)
-    before = settle(setup, plain, fits[0])
+    before = settle(setup, plain, path.fits[0])
     chosen, verdict, after, unlearned = _kept(setup, plain, before, stands, whole, tell)
     if chosen is not stands:
         rivals = ()
-    verdict, said = _of_whole_records(setup, chosen, verdict, whole, decided)
+    verdict, said = _of_whole_records(setup, chosen, verdict, whole, path.decided)
     models = {"declared": declared, "before": before.whole.model, "after": after.whole.model}
     windows = {"declared": setup.whole, "before": before.whole.windows, "after": after.whole.windows}
     all_errors = {name: errors(setup, model, windows[name]) for name, model in models.items()}
@@ -175,122 +141,17 @@ def close(
     )  # fmt: skip
 
 
-def _traced(
-    setup: Setup, plain: Trial, tell: Tell
-) -> tuple[list[Trial], list[Round], list[Fit], tuple[Rival, ...], frozenset[str]]:
-    """The trials that were accepted one on top of the other, all rounds, and the fits on whole records.
-
-    Besides, the rivals of the last one where whole records decided among them, and the forms on which they decided.
-    """
-    pool = all_candidates(plain.swing.model)
-    if not setup.by_rotation:
-        pool = tuple(c for c in pool if c.effect not in OF_THE_ROTATION_SENSOR)
-    path, rounds, fits = [plain], [], [whole_fit(setup, plain)]
-    rivals: tuple[Rival, ...] = ()
-    decided: set[str] = set()
-    for depth in range(MOST_EFFECTS):
-        if depth > 1 and path[-1].swing.rms < NOTHING_LEFT:
-            break
-        if path[-1].costly and (depth >= MOST_EFFECTS_COSTLY or _leaves_nothing(setup, path[-1], fits[-1])):
-            break
-        tell(f"tracing, round {depth + 1}")
-        tried, accepted, confirmed = _round(setup, path[-1], fits[-1], pool, tell)
-        rounds.append(tried)
-        if accepted is None:
-            break
-        path.append(accepted[0])
-        fits.append(accepted[1])
-        rivals = confirmed
-        if confirmed:
-            decided.add(accepted[0].names[-1])
-    return path, rounds, fits, rivals, frozenset(decided)
-
-
-def _borne_out(setup: Setup, rivals: Sequence[Rival], chosen: Trial, whole: Fit) -> tuple[Rival, ...]:
-    """The rivals, the best first: none before the chosen trial that whole records refuse.
-
-    Where they were what brought a soft floor in, those that they refused then are left out.
-    """
-
-    def refused(r: Rival) -> bool:
-        return setup.by_rotation and r.trial.names != chosen.names and explains_more(setup, whole, r.whole)
-
-    if chosen.costly:
-        return tuple(r for r in rivals if r.trial.costly or not refused(r))
-    return standing(rivals, refused)
-
-
-def _round(
-    setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate], tell: Tell
-) -> tuple[Round, Accepted | None, tuple[Rival, ...]]:
-    """What was tried on top of a trial, what of it is accepted, and the rivals if whole records decided among them.
-
-    whole: the fit on whole records of the trial.
-    """
-
-    def explained(trial: Trial) -> bool:
-        # Where a block slips what is left is a median over the windows, and says nothing of a minority of them.
-        return not _slips(trial) and _over_noise(setup, trial) < _structure(setup)
-
-    tried = search(setup.simulator, onto, pool, tell, explained=explained)
-    accepted, confirmed = _accepted(setup, onto, whole, tried, pool, tell)
-    if not tried.put_off:
-        return tried, accepted, confirmed
-    # Swings that leave nothing say nothing of a soft floor; whole records that are missed still may, and so may swings
-    # of which what was accepted leaves more than what was not.
-    stands, its_whole = (onto, whole) if accepted is None else accepted
-    if not (setup.by_rotation and missed(its_whole)) and _over_noise(setup, stands) < _structure(setup):
-        return tried, accepted, confirmed
-    floors = Round(onto, search_costly(setup.simulator, tried, tell))
-    found, decided = _accepted(setup, onto, whole, floors, (), tell, hint=-PAYS)
-    known = {t.names for t in tried.trials}
-    tried.trials += [t for t in floors.trials if t.names not in known]
-    if found is None:
-        return tried, accepted, confirmed
-    if confirmed and decided:
-        both = ranked(setup, merged(confirmed, decided))
-        return tried, (both[0].trial, both[0].whole), both
-    if accepted is None or explains_more(setup, found[1], accepted[1]):
-        return tried, found, decided
-    return tried, accepted, confirmed
-
-
-def _accepted(
-    setup: Setup, onto: Trial, whole: Fit, tried: Round, pool: Sequence[Candidate], tell: Tell, hint: float = HINT
-) -> tuple[Accepted | None, tuple[Rival, ...]]:
-    """The trial of a round that pays, and the rivals if whole records decided among them."""
-    accepted: Accepted | None = None
-    best = tried.best
-    likely = best is not None and pays(onto.swing, best.swing)
-    if best is not None and likely:
-        now = whole_fit(setup, best)
-        # Where another effect is missing still, all records may be lost with this one and without it.
-        if gain(setup, whole, now) > LEAST_GAIN or not telling(now, reweighed(setup, whole, now)).any():
-            accepted = best, now
-    # Whole records are rugged: where swings say nothing, or one fit of whole records does not bear them out, or leaves
-    # far too much, these have more to say.
-    unsettled = accepted is None or accepted[1].rms > MISSED_BY_FAR
-    if not setup.by_rotation or (likely and (onto.parts or not unsettled)):
-        return accepted, ()
-    tell("asking whole records")
-    confirmed = asked(setup, onto, whole, tried, pool, hint)
-    confirmed = ranked(setup, [r for r in confirmed if gain(setup, whole, r.whole) > LEAST_GAIN])
-    if not confirmed or (accepted is not None and not explains_more(setup, confirmed[0].whole, accepted[1])):
-        return accepted, ()
-    first = confirmed[0]
-    if all(t.names != first.trial.names for t in tried.trials):
-        tried.trials.append(first.trial)
-    return (first.trial, first.whole), confirmed
-
-
 def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Trial, Verdict]:
     """The trial to keep: the named effects if they leave nothing, else with what was learned of the rest."""
-    structured = _over_noise(setup, named) > _structure(setup)
+    structured = over_noise(setup, named) > structure(setup)
     if not structured and len(named.parts) < 2:
         remembering = _remembering(setup, plain, named, tell)
         if remembering is not None:
             return remembering, "unexplained"
         return named, "effect" if named.parts else "none"
+    # Nothing learned can be better by more than chance then.
+    if not structured and by_chance(setup, named):
+        return named, "effect"
     tell("learning what no effect explains")
     # Effects may stand for something unnamed, several of them above all: learning starts from the calibrated block too.
     # Where they leave nothing, what goes on from swing to swing is not tried in their place: it takes long.
@@ -302,7 +163,7 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
     learned = any(part.effect in LEARNED for part in best.parts)
     # Some coefficients are effects with a name: where both leave nothing, the name is the better answer.
     if not learned or bic(best.swing) > bic(named.swing) - PAYS:
-        if _over_noise(setup, named) > _unexplained(setup):
+        if over_noise(setup, named) > unexplained(setup):
             return named, "unexplained"
         return named, "effect" if named.parts else "none"
     if bic(routes[0].swing) < bic(best.swing) + PAYS:
@@ -316,7 +177,7 @@ def _remembering(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> Trial 
     In free decays speeds and pauses fall together, so that a loss that depends on the one looks much like one that
     depends on the other, or on the number of the impact.
     """
-    if not named.parts or named.costly or _slips(named) or not setup.by_rotation:
+    if not named.parts or named.costly or slips(named) or not setup.by_rotation:
         return None
     tell("asking whether impacts remember")
     best = search(setup.simulator, plain, memories(plain.swing.model.declared, plain.swing.windows), tell).best
@@ -342,7 +203,7 @@ def _kept(
         f"what was learned of the swings ({', '.join(map(readable, chosen.names))}) does not carry over whole "
         "records: it was left out"
     )
-    if _over_noise(setup, stands) > _structure(setup):
+    if over_noise(setup, stands) > structure(setup):
         return stands, "unexplained", by_name, (said,)
     return stands, "effect" if stands.parts else "none", by_name, (said,)
 
@@ -385,14 +246,18 @@ def _of_whole_records(
     return verdict, notes
 
 
-def _leaves_nothing(setup: Setup, trial: Trial, whole: Fit) -> bool:
-    return _over_noise(setup, trial) < _structure(setup) and not missed(whole)
+def _borne_out(setup: Setup, rivals: Sequence[Rival], chosen: Trial, whole: Fit) -> tuple[Rival, ...]:
+    """The rivals, the best first: none before the chosen trial that whole records refuse.
 
+    Where they were what brought a soft floor in, those that they refused then are left out.
+    """
 
-def missed(whole: Fit) -> bool:
-    """Whether whole records cannot be called explained."""
-    missed = int(np.count_nonzero(whole.by_window > MISSED_BY_FAR))
-    return whole.rms > MISSED_BY_FAR and missed >= min(MISSED_RECORDS, len(whole.by_window))
+    def refused(r: Rival) -> bool:
+        return setup.by_rotation and r.trial.names != chosen.names and explains_more(setup, whole, r.whole)
+
+    if chosen.costly:
+        return tuple(r for r in rivals if r.trial.costly or not refused(r))
+    return standing(rivals, refused)
 
 
 def _declared(campaign: Campaign, g: float) -> LoopModel:
@@ -402,45 +267,6 @@ def _declared(campaign: Campaign, g: float) -> LoopModel:
         return model
     housner = 1.0 - 1.5 * math.sin(campaign.block.alpha) ** 2
     return replace(model, restitution=min(max(housner, 0.05), 1.0))
-
-
-def _over_noise(setup: Setup, trial: Trial) -> float:
-    """Rms of the swings over what is left of pure noise once each window has fitted its two states.
-
-    Swings that the trial itself takes for less than one are left out, as they would have been from the beginning: with
-    the zero of a sensor off, a hop at rest looks like a swing, and hangs on the noise of the base.  Where a block
-    slips, some windows begin with a slip that could not be carried over to them as it was: of those trials it is the
-    median over the windows, so that structure has to be in half of them to be seen.
-    """
-    swing = trial.swing
-    if _slips(trial):
-        return math.sqrt(float(np.median([r @ r / max(r.size - 2, 1) for r in swing.residuals])))
-    left = [swing.residuals[i] for i in swings_that_count(setup, trial)]
-    samples = sum(r.size for r in left)
-    free = 2 * len(left) + len(swing.parameters)
-    return math.sqrt(sum(float(r @ r) for r in left) / max(samples - free, 0.1 * samples, 1.0))
-
-
-def swings_that_count(setup: Setup, trial: Trial) -> list[int]:
-    """Indices of the windows that the trial itself does not take for less than a swing."""
-    least = {record.test: PEAK_OVER_NOISE * record.noise for record in setup.records}
-    return [i for i, w in enumerate(trial.swing.windows) if abs(w.theta) > least[w.test]]
-
-
-def _slips(trial: Trial) -> bool:
-    return any(part.slips for part in trial.parts)
-
-
-def _structure(setup: Setup) -> float:
-    return STRUCTURE if _declared_noise(setup) else STRUCTURE_OF_ESTIMATED
-
-
-def _unexplained(setup: Setup) -> float:
-    return UNEXPLAINED if _declared_noise(setup) else UNEXPLAINED_OF_ESTIMATED
-
-
-def _declared_noise(setup: Setup) -> bool:
-    return all(c.noise for record in setup.records for c in record.channels if c is not SIDE)
 
 
 def _unseen(setup: Setup) -> tuple[str, ...]:

@@ -16,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies.campaigns import Test
-from studies.loop.closing import Finding, missed, swings_that_count
+from studies.loop.closing import Finding
 from studies.loop.learning import LEARNED
 from studies.loop.model import LoopModel
 from studies.loop.names import readable
+from studies.loop.remaining import missed, swings_that_count
 from studies.loop.simulation import Job, Simulator
 
 Array = NDArray[np.float64]

@@ -176,6 +176,7 @@ def search(
     tell: Callable[[str], None] = lambda text: None,
     repeated: bool = False,
     explained: Callable[[Trial], bool] = lambda trial: False,
+    later: bool = False,
 ) -> Round:
     """Refit every candidate that may pay on top of a trial, those that lead nowhere not to the end.
 
@@ -185,6 +186,7 @@ def search(
     repeated: whether an effect that is there already may be tried in another form.
     explained: whether a trial leaves nothing over its noise; candidates whose runs take long, and which have more
         parameters than most, are put off where the trial or a cheaper candidate does so (`search_costly` tries them).
+    later: whether they are put off in any case.
     """
     found = Round(onto)
     open_to_it = [c for c in pool if c.in_swings and (repeated or c.effect not in onto.effects)]
@@ -199,11 +201,14 @@ def search(
     _fitted(simulator, [c for c in tried if not c.costly], found, tell)
     found.put_off = tuple(c for c in tried if c.costly)
     already = next((t for t in (onto, *found.trials) if found.put_off and explained(t)), None)
-    if already is None:
-        search_costly(simulator, found, tell)
+    if already is not None:
+        by = f"the fit of {already.names[-1]} leaves" if already.names else "the fit leaves"
+    elif later:
+        by = "effects that were found after this round leave"
     else:
-        by = f" of {already.names[-1]}" if already.names else ""
-        found.skipped |= {c.name: f"the fit{by} leaves nothing over the noise; runs take long" for c in found.put_off}
+        search_costly(simulator, found, tell)
+        return found
+    found.skipped |= {c.name: f"{by} nothing over the noise; runs take long" for c in found.put_off}
     return found
 
 

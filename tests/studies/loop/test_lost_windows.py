@@ -11,10 +11,10 @@ from rocking import Block, Method1, solve
 from rocking.effects import load
 from studies.campaigns import Channel, DeclaredBlock, Test
 from studies.loop.candidates import candidates
-from studies.loop.closing import _over_noise
 from studies.loop.estimating import sensor_covariance
 from studies.loop.fitting import Fit, fit
 from studies.loop.model import LoopModel
+from studies.loop.remaining import over_noise
 from studies.loop.simulation import Simulator
 from studies.loop.tracing import E, Trial, _as_seen, _on_some, _with_lost_found, baseline
 from studies.loop.windows import PEAK_OVER_NOISE, Record, Window, record_of, swing_windows
@@ -83,14 +83,14 @@ def test_a_hop_at_rest_is_no_structure_and_a_swing_is(off_zero) -> None:
     """By hand: one window is off by twenty deviations, of a block at rest or of one that swings."""
     _, records, best = off_zero
     setup = SimpleNamespace(records=records)
-    assert 0.95 < _over_noise(setup, Trial((), (), best)) < 1.05
+    assert 0.95 < over_noise(setup, Trial((), (), best)) < 1.05
     off = [20.0 + 0.0 * r if k == 2 else r for k, r in enumerate(best.residuals)]
     swings = replace(best, residuals=tuple(off))
-    assert _over_noise(setup, Trial((), (), swings)) > 3.0
+    assert over_noise(setup, Trial((), (), swings)) > 3.0
     hop = list(best.windows)
     hop[2] = hop[2].moved(0.5 * PEAK_OVER_NOISE * NOISE, 0.0)
     hops = replace(swings, windows=tuple(hop))
-    assert _over_noise(setup, Trial((), (), hops)) == pytest.approx(_over_noise(setup, Trial((), (), best)), rel=0.05)
+    assert over_noise(setup, Trial((), (), hops)) == pytest.approx(over_noise(setup, Trial((), (), best)), rel=0.05)
 
 
 @pytest.mark.slow

@@ -250,8 +250,8 @@ def test_names_come_back_where_what_was_learned_does_not_carry(
     monkeypatch.setattr(closing, "_explained", lambda *_: (memory, "unexplained"))
     monkeypatch.setattr(closing, "settle", lambda setup, trial, whole: settled(trial.names))
     monkeypatch.setattr(closing, "whole_fit", lambda setup, trial: None)
-    monkeypatch.setattr(closing, "_over_noise", lambda setup, trial: left)
-    monkeypatch.setattr(closing, "_structure", lambda setup: 1.03)
+    monkeypatch.setattr(closing, "over_noise", lambda setup, trial: left)
+    monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
 
     def errors(setup: object, model: tuple[str, ...], windows: object) -> SimpleNamespace:
         asked.append(model)

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from studies.loop import closing, settling, whole_records
+from studies.loop import closing, remaining, rounds, settling, whole_records
 from studies.loop.rivals import Rival, twins
 from studies.loop.settling import gain, where_told
 from studies.loop.tracing import Round, search
@@ -100,7 +100,7 @@ def stubs(monkeypatch):
         tried=[], asked=[], whole={"floor": whole(1.0, 1.2), "tilt": whole(30.0, 40.0)}, confirmed={}
     )
 
-    def search(_, onto, pool, tell, explained):
+    def search(_, onto, pool, tell, explained, later):
         told.explained = [t.names for t in (PLAIN, TILT, trial("slide", 1.0, 0.9, slips=True)) if explained(t)]
         return Round(onto, [TILT], put_off=("floor",))
 
@@ -115,13 +115,14 @@ def stubs(monkeypatch):
         return tuple(told.confirmed[t.names[-1]] for t in tried.trials if t.names[-1] in told.confirmed)
 
     for stub in (search, search_costly, asked):
-        monkeypatch.setattr(closing, stub.__name__, stub)
-    monkeypatch.setattr(closing, "whole_fit", lambda _, t: told.whole[t.names[-1]])
-    monkeypatch.setattr(closing, "gain", lambda _, without, found: 1.0 - found.rms / without.rms)
-    monkeypatch.setattr(closing, "reweighed", lambda _, other, found: other)
-    monkeypatch.setattr(closing, "explains_more", lambda _, one, other: one.rms < other.rms)
-    monkeypatch.setattr(closing, "_over_noise", lambda _, t: t.swing.over)
-    monkeypatch.setattr(closing, "_structure", lambda _: 1.03)
+        monkeypatch.setattr(rounds, stub.__name__, stub)
+    monkeypatch.setattr(rounds, "whole_fit", lambda _, t: told.whole[t.names[-1]])
+    monkeypatch.setattr(rounds, "gain", lambda _, without, found: 1.0 - found.rms / without.rms)
+    monkeypatch.setattr(rounds, "reweighed", lambda _, other, found: other)
+    monkeypatch.setattr(rounds, "explains_more", lambda _, one, other: one.rms < other.rms)
+    for module in (rounds, remaining):
+        monkeypatch.setattr(module, "over_noise", lambda _, t: t.swing.over)
+        monkeypatch.setattr(module, "structure", lambda _: 1.03)
     return told
 
 
@@ -139,7 +140,7 @@ def stubs(monkeypatch):
 def test_what_swings_pay_for_is_accepted_where_whole_records_say_nothing(stubs, before, after, accepted):
     tilt = trial("tilt", 100.0, 3.0)
     stubs.whole = {"tilt": whole(*after)}
-    found = closing._accepted(
+    found = rounds._accepted(
         SimpleNamespace(simulator=None, by_rotation=True),
         PLAIN,
         whole(*before),
@@ -156,7 +157,7 @@ def rival(made, criterion, found):
 
 def one_round(*rms, by_rotation=True, onto=PLAIN):
     setup = SimpleNamespace(simulator=None, by_rotation=by_rotation)
-    return closing._round(setup, onto, whole(*rms), (), lambda text: None)
+    return rounds._round(setup, onto, whole(*rms), (), lambda text: None)
 
 
 def test_floors_stay_put_off_where_records_are_met(stubs):
@@ -188,7 +189,7 @@ def test_accelerometers_ask_no_whole_records(stubs):
 )
 def test_rivals_of_both_passes_are_kept(stubs, monkeypatch, criterion, left, first):
     """The better criterion comes first, unless the other one explains more of whole records."""
-    monkeypatch.setattr(closing, "pays", lambda *_: False)
+    monkeypatch.setattr(rounds, "pays", lambda *_: False)
     monkeypatch.setattr(whole_records, "explains_more", lambda _, one, other: one.rms < other.rms)
     stubs.confirmed = {
         "tilt": rival(TILT, 100.0, whole(5.0, 5.0)),
@@ -199,7 +200,7 @@ def test_rivals_of_both_passes_are_kept(stubs, monkeypatch, criterion, left, fir
     assert {r.trial.names[-1] for r in rivals} == {"tilt", "floor"} and rivals[0].trial is accepted[0]
     assert [r.refused for r in rivals] == [False, left != 5.0]
     # Floors are put to whole records whatever swings say of them, other effects where these hint at them.
-    assert stubs.asked == [whole_records.HINT, -closing.PAYS]
+    assert stubs.asked == [whole_records.HINT, -rounds.PAYS]
 
 
 def test_what_whole_records_refused_does_not_come_back_as_a_rival(monkeypatch):
@@ -262,6 +263,10 @@ def test_what_runs_long_is_put_off_by_name_and_tried_when_asked(monkeypatch):
     [added] = tracing.search_costly(None, found)
     assert added.names == ("floor",) and found.skipped == {} and found.put_off == ()
     assert search(None, PLAIN, pool).put_off == ()
+    put_off = search(None, PLAIN, pool, later=True)
+    assert [c.name for c in put_off.put_off] == ["floor"]
+    said = "effects that were found after this round leave nothing over the noise; runs take long"
+    assert put_off.skipped == {"floor": said}
 
 
 @pytest.mark.parametrize(
@@ -312,8 +317,9 @@ def explained_trial(chi2, *effects):
 def test_what_was_learned_takes_the_place_of_names_where_it_explains_far_more(monkeypatch, named, better, ends):
     plain, found = explained_trial(20_000.0), explained_trial(9_000.0, *named)
     other = explained_trial(9_000.0 - better, "learned_memory")
-    monkeypatch.setattr(closing, "_over_noise", lambda setup, trial: 1.0)
-    monkeypatch.setattr(closing, "_structure", lambda setup: 1.03)
+    monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.0)
+    monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
+    monkeypatch.setattr(closing, "by_chance", lambda setup, trial: False)
     monkeypatch.setattr(closing, "memories", lambda block, windows: ())
     monkeypatch.setattr(closing, "search", lambda *_: SimpleNamespace(best=other))
     monkeypatch.setattr(
@@ -323,6 +329,122 @@ def test_what_was_learned_takes_the_place_of_names_where_it_explains_far_more(mo
     chosen, verdict = closing._explained(setup, plain, found, lambda text: None)
     assert verdict == ends
     assert chosen is (found if ends == "effect" else other)
+
+
+def test_nothing_is_learned_where_two_effects_leave_what_noise_leaves(monkeypatch):
+    plain, found = explained_trial(20_000.0), explained_trial(9_000.0, "rounded_edges", "viscous_damping")
+    monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.01)
+    monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
+    asked = []
+    monkeypatch.setattr(closing, "learn", lambda *_, **__: asked.append(1) or plain)
+    for by_chance, learned in ((True, 0), (False, 2)):
+        monkeypatch.setattr(closing, "by_chance", lambda setup, trial, is_so=by_chance: is_so)
+        setup = SimpleNamespace(simulator=None, records=[])
+        assert closing._explained(setup, plain, found, lambda text: None) == (found, "effect")
+        assert len(asked) == learned
+
+
+def noise_alone(rng, windows, of, slips=False, noise=1e-4):
+    """A trial that leaves noise alone of each of its windows: each has fitted two states of its own."""
+    record = SimpleNamespace(test=0, noise=1e-6, channels=(SimpleNamespace(noise=noise),))
+    residuals = tuple(rng.standard_normal(of) for _ in range(windows))
+    for r in residuals:
+        r[:2] = 0.0
+    swing = SimpleNamespace(
+        windows=(SimpleNamespace(theta=0.1, test=0),) * windows,
+        residuals=residuals,
+        parameters=(),
+        samples=windows * of,
+    )
+    parts = (SimpleNamespace(slips=slips),)
+    return SimpleNamespace(records=[record]), SimpleNamespace(swing=swing, parts=parts)
+
+
+def test_noise_alone_leaves_by_chance_what_its_distribution_says():
+    """One sum of squares in 44 is beyond two standard deviations: of 500 sets 11.4, give or take 3.3."""
+    rng = np.random.default_rng(20)
+    sets = [noise_alone(rng, 40, 40) for _ in range(500)]
+    beyond = sum(not remaining.by_chance(setup, trial) for setup, trial in sets)
+    assert 11.4 - 3 * 3.3 < beyond < 11.4 + 3 * 3.3
+    setup, trial = sets[0]
+    assert remaining.by_chance(setup, trial)
+    larger = SimpleNamespace(**{**vars(trial.swing), "residuals": tuple(1.05 * r for r in trial.swing.residuals)})
+    assert not remaining.by_chance(setup, SimpleNamespace(swing=larger, parts=trial.parts))
+    # An estimated noise was taken from the same records; of what slips a median is known alone.
+    rng = np.random.default_rng(20)
+    assert not remaining.by_chance(*noise_alone(rng, 40, 40, noise=None))
+    assert not remaining.by_chance(*noise_alone(rng, 40, 40, slips=True))
+
+
+@pytest.fixture
+def ways(monkeypatch):
+    """A search in which floors are put off at first, and each case says what is accepted and what that leaves."""
+    told = SimpleNamespace(chance=True, explains=True, rounds=[], accepted={}, put_off=("floor",))
+
+    def one_round(setup, onto, whole, pool, tell, known, later):
+        told.rounds.append((onto.names, later, known is not None))
+        tried = known or Round(onto, put_off=told.put_off)
+        tried.put_off = told.put_off if later else ()
+        nxt = told.accepted.get((onto.names, later))
+        return tried, nxt and (nxt, None), ()
+
+    monkeypatch.setattr(rounds, "_round", one_round)
+    monkeypatch.setattr(rounds, "all_candidates", lambda model: ())
+    monkeypatch.setattr(rounds, "whole_fit", lambda setup, trial: None)
+    monkeypatch.setattr(rounds, "by_chance", lambda setup, trial: told.chance)
+    monkeypatch.setattr(rounds, "explains", lambda setup, trial, whole: told.explains)
+    monkeypatch.setattr(rounds, "leaves_nothing", lambda setup, trial, whole: told.explains)
+    return told
+
+
+def path_of(*names, costly=False):
+    parts = tuple(SimpleNamespace(name=n) for n in names)
+    swing = SimpleNamespace(model=None, rms=1.5)
+    return SimpleNamespace(names=names, parts=parts, swing=swing, costly=costly)
+
+
+def searched():
+    return rounds.traced(SimpleNamespace(by_rotation=True), path_of(), lambda text: None)
+
+
+def test_floors_are_not_tried_where_two_effects_leave_nothing(ways):
+    ways.accepted = {((), True): path_of("a"), (("a",), True): (both := path_of("a", "b"))}
+    both.swing.rms = 1.0
+    assert [t.names for t in searched().trials] == [(), ("a",), ("a", "b")]
+    assert ways.rounds == [((), True, False), (("a",), True, False)]
+
+
+@pytest.mark.parametrize("chance, explains", [(False, True), (True, False)])
+def test_floors_are_tried_in_the_same_rounds_where_two_effects_leave_something(ways, chance, explains):
+    ways.chance, ways.explains = chance, explains
+    first, floor = path_of("a"), path_of("floor", costly=True)
+    ways.accepted = {((), True): first, (("a",), True): path_of("a", "b"), ((), False): floor}
+    found = searched()
+    # A floor in the first round: what came after the other effect there is not asked again.
+    assert [t.names for t in found.trials] == [(), ("floor",)]
+    again = [entry for entry in ways.rounds if not entry[1]]
+    assert again[0] == ((), False, True)
+    # Two effects have to be enough at first.
+    assert ((("a", "b")), True, False) not in ways.rounds or chance
+
+
+def test_floors_come_on_top_of_the_same_effect_where_that_stays(ways):
+    ways.chance = ways.explains = False
+    first = path_of("a")
+    ways.accepted = {((), True): first, ((), False): first, (("a",), False): path_of("a", "floor", costly=True)}
+    assert [t.names for t in searched().trials] == [(), ("a",), ("a", "floor")]
+    assert [entry for entry in ways.rounds if not entry[1]][:2] == [((), False, True), (("a",), False, True)]
+
+
+def test_one_effect_that_leaves_nothing_needs_no_floor(ways):
+    # Nor does the clean block; a sum of squares that is a little large by chance does not ask for one.
+    ways.chance = False
+    ways.accepted = {((), True): path_of("a")}
+    assert [t.names for t in searched().trials] == [(), ("a",)] and all(later for _, later, _ in ways.rounds)
+    ways.explains = False
+    ways.put_off = ()
+    searched()
+    assert all(later for _, later, _ in ways.rounds)
 
 
 @pytest.mark.parametrize(("fits", "carries"), [((0.0011, 0.0026), False), ((0.0048, 0.0012), True)])

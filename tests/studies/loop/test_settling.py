@@ -10,9 +10,9 @@ import pytest
 
 from studies.campaigns import Channel, DeclaredBlock
 from studies.loop import settling
-from studies.loop.closing import missed
 from studies.loop.model import LoopModel
 from studies.loop.parameters import Parameter
+from studies.loop.remaining import missed
 from studies.loop.settling import (
     FEWEST_SAMPLES,
     PREDICTABLE,

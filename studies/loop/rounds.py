@@ -1,0 +1,161 @@
+"""The search, one effect after the other: what was tried, what swings and whole records accept of it.
+
+Floors that give come last: their runs take so long that what two effects explain is asked first.
+
+Status   a pair of effects that leaves nothing is taken before a floor that would, too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from studies.loop.candidates import Candidate
+from studies.loop.fitting import Fit
+from studies.loop.preparing import Setup
+from studies.loop.remaining import MISSED_BY_FAR, by_chance, explains, leaves_nothing, over_noise, slips, structure
+from studies.loop.rivals import Rival
+from studies.loop.settling import gain, reweighed, telling, whole_fit
+from studies.loop.tracing import LEAST_GAIN, PAYS, Round, Trial, all_candidates, pays, search, search_costly
+from studies.loop.whole_records import HINT, asked, explains_more, merged, ranked
+
+Tell = Callable[[str], None]
+Accepted = tuple[Trial, Fit]
+"""A trial and its fit on whole records."""
+
+MOST_EFFECTS = 3
+
+MOST_EFFECTS_COSTLY = 2
+"""The same where runs take long."""
+
+NOTHING_LEFT = 1.02
+"""Rms over the noise in the swings below which no third effect is looked for."""
+
+OF_THE_ROTATION_SENSOR = ("rotation_gain", "rotation_offset")
+
+
+@dataclass(frozen=True)
+class Path:
+    """What was accepted, one on top of the other."""
+
+    trials: list[Trial]
+    rounds: list[Round]  # all of the search
+    fits: list[Fit]  # of the trials on whole records
+    rivals: tuple[Rival, ...] = ()  # of the last trial where whole records decided among them
+    decided: frozenset[str] = frozenset()  # the forms on which they decided
+
+
+def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
+    """The search, first without floors that give: their runs take so long that what two effects explain is asked first.
+
+    Where these leave something over the noise, or whole records are missed, the search begins again with floors.
+    """
+    pool = all_candidates(plain.swing.model)
+    if not setup.by_rotation:
+        pool = tuple(c for c in pool if c.effect not in OF_THE_ROTATION_SENSOR)
+    quick = _followed(setup, plain, pool, tell, later=True)
+    last = quick.trials[-1]
+    beside = len(last.parts) < 2 or by_chance(setup, last)
+    if not any(r.put_off for r in quick.rounds) or (beside and explains(setup, last, quick.fits[-1])):
+        return quick
+    tell("something is left: again with floors that give")
+    return _followed(setup, plain, pool, tell, begun=quick.rounds)
+
+
+def _followed(
+    setup: Setup, plain: Trial, pool: Sequence[Candidate], tell: Tell, *, later: bool = False,
+    begun: Sequence[Round] = (),
+) -> Path:  # fmt: skip
+    """The search, one effect after the other.
+
+    later: whether candidates whose runs take long are left out; then two effects have to be enough.
+    begun: rounds of a search that left them out.
+    """
+    path, rounds, fits = [plain], [], [whole_fit(setup, plain)]
+    rivals: tuple[Rival, ...] = ()
+    decided: set[str] = set()
+    for depth in range(MOST_EFFECTS):
+        if depth > 1 and ((later and not by_chance(setup, path[-1])) or path[-1].swing.rms < NOTHING_LEFT):
+            break
+        if path[-1].costly and (depth >= MOST_EFFECTS_COSTLY or leaves_nothing(setup, path[-1], fits[-1])):
+            break
+        tell(f"tracing, round {depth + 1}")
+        known = next((r for r in begun if r.onto is path[-1]), None)
+        tried, accepted, confirmed = _round(setup, path[-1], fits[-1], pool, tell, known, later)
+        rounds.append(tried)
+        if accepted is None:
+            break
+        path.append(accepted[0])
+        fits.append(accepted[1])
+        rivals = confirmed
+        if confirmed:
+            decided.add(accepted[0].names[-1])
+    return Path(path, rounds, fits, rivals, frozenset(decided))
+
+
+def _round(
+    setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate], tell: Tell, known: Round | None = None,
+    later: bool = False,
+) -> tuple[Round, Accepted | None, tuple[Rival, ...]]:  # fmt: skip
+    """What was tried on top of a trial, what of it is accepted, and the rivals if whole records decided among them.
+
+    whole: the fit on whole records of the trial.
+    known: the round as far as it was gone through without candidates whose runs take long.
+    later: whether these are left out.
+    """
+
+    def explained(trial: Trial) -> bool:
+        # Where a block slips what is left is a median over the windows, and says nothing of a minority of them.
+        return not slips(trial) and over_noise(setup, trial) < structure(setup)
+
+    tried = search(setup.simulator, onto, pool, tell, explained=explained, later=later) if known is None else known
+    if known is not None and not any(map(explained, (onto, *known.trials))):
+        search_costly(setup.simulator, tried, tell)
+    accepted, confirmed = _accepted(setup, onto, whole, tried, pool, tell)
+    if later or not tried.put_off:
+        return tried, accepted, confirmed
+    # Swings that leave nothing say nothing of a soft floor; whole records that are missed still may, and so may swings
+    # of which what was accepted leaves more than what was not.
+    stands, its_whole = (onto, whole) if accepted is None else accepted
+    if explains(setup, stands, its_whole):
+        return tried, accepted, confirmed
+    floors = Round(onto, search_costly(setup.simulator, tried, tell))
+    found, decided = _accepted(setup, onto, whole, floors, (), tell, hint=-PAYS)
+    there = {t.names for t in tried.trials}
+    tried.trials += [t for t in floors.trials if t.names not in there]
+    if found is None:
+        return tried, accepted, confirmed
+    if confirmed and decided:
+        both = ranked(setup, merged(confirmed, decided))
+        return tried, (both[0].trial, both[0].whole), both
+    if accepted is None or explains_more(setup, found[1], accepted[1]):
+        return tried, found, decided
+    return tried, accepted, confirmed
+
+
+def _accepted(
+    setup: Setup, onto: Trial, whole: Fit, tried: Round, pool: Sequence[Candidate], tell: Tell, hint: float = HINT
+) -> tuple[Accepted | None, tuple[Rival, ...]]:
+    """The trial of a round that pays, and the rivals if whole records decided among them."""
+    accepted: Accepted | None = None
+    best = tried.best
+    likely = best is not None and pays(onto.swing, best.swing)
+    if best is not None and likely:
+        now = whole_fit(setup, best)
+        # Where another effect is missing still, all records may be lost with this one and without it.
+        if gain(setup, whole, now) > LEAST_GAIN or not telling(now, reweighed(setup, whole, now)).any():
+            accepted = best, now
+    # Whole records are rugged: where swings say nothing, or one fit of whole records does not bear them out, or leaves
+    # far too much, these have more to say.
+    unsettled = accepted is None or accepted[1].rms > MISSED_BY_FAR
+    if not setup.by_rotation or (likely and (onto.parts or not unsettled)):
+        return accepted, ()
+    tell("asking whole records")
+    confirmed = asked(setup, onto, whole, tried, pool, hint)
+    confirmed = ranked(setup, [r for r in confirmed if gain(setup, whole, r.whole) > LEAST_GAIN])
+    if not confirmed or (accepted is not None and not explains_more(setup, confirmed[0].whole, accepted[1])):
+        return accepted, ()
+    first = confirmed[0]
+    if all(t.names != first.trial.names for t in tried.trials):
+        tried.trials.append(first.trial)
+    return (first.trial, first.whole), confirmed
