@@ -149,7 +149,7 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
         if remembering is not None:
             return remembering, "unexplained"
         return named, "effect" if named.parts else "none"
-    # Nothing learned can be better by more than chance then.
+    # What is learned of noise is not worth its time: names that leave no more than that stand.
     if not structured and by_chance(setup, named):
         return named, "effect"
     tell("learning what no effect explains")

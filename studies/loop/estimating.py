@@ -82,9 +82,8 @@ def gains(
     k, out = len(fitted.parameters), {}
     for name, parameters in candidates.items():
         try:
-            models, ends = about(model_of[name], parameters, True)
-            if all(e.beside for e in ends):
-                models, ends = models[1:], [e._replace(up=e.up - 1, down=e.down - 1) for e in ends]
+            # One-sided: a score ranks, and costs half for many parameters.
+            models, ends = about(model_of[name], parameters, False)
             read = [x for model in models for x in read_of(simulator, model, windows)]
         except ValueError:
             out[name] = math.inf

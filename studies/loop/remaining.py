@@ -57,12 +57,14 @@ def over_noise(setup: Setup, trial: Trial) -> float:
 def by_chance(setup: Setup, trial: Trial) -> bool:
     """Whether the swings are explained down to what noise alone leaves of them: within `CHANCE` standard deviations.
 
-    Where noise is estimated, or a block slips, what is left says less than that (`_over_noise`).
+    Where noise is estimated, or a block slips, what is left says less than that (`over_noise`).
     """
     if slips(trial) or not declared_noise(setup):
         return False
-    free = 2 * len(trial.swing.windows) + len(trial.swing.parameters)
-    return over_noise(setup, trial) ** 2 < 1.0 + CHANCE * math.sqrt(2.0 / max(trial.swing.samples - free, 1))
+    swing, counting = trial.swing, swings_that_count(setup, trial)
+    free = 2 * len(counting) + len(swing.parameters)
+    samples = sum(swing.residuals[i].size for i in counting)
+    return over_noise(setup, trial) ** 2 < 1.0 + CHANCE * math.sqrt(2.0 / max(samples - free, 1))
 
 
 def swings_that_count(setup: Setup, trial: Trial) -> list[int]:

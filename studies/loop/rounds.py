@@ -8,7 +8,7 @@ Status   a pair of effects that leaves nothing is taken before a floor that woul
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from studies.loop.candidates import Candidate
 from studies.loop.fitting import Fit
@@ -55,11 +55,14 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
         pool = tuple(c for c in pool if c.effect not in OF_THE_ROTATION_SENSOR)
     quick = _followed(setup, plain, pool, tell, later=True)
     last = quick.trials[-1]
-    beside = len(last.parts) < 2 or by_chance(setup, last)
-    if not any(r.put_off for r in quick.rounds) or (beside and explains(setup, last, quick.fits[-1])):
+    # Where a block slips what is left is a median over the windows, and says nothing of a minority of them.
+    little = by_chance(setup, last) or (len(last.parts) < 2 and not slips(last))
+    if not any(r.put_off for r in quick.rounds) or (little and explains(setup, last, quick.fits[-1])):
         return quick
     tell("something is left: again with floors that give")
-    return _followed(setup, plain, pool, tell, begun=quick.rounds)
+    # What whole records alone brought in, they are asked for again.
+    begun = [replace(r, trials=[t for t in r.trials if r.added(t).in_swings]) for r in quick.rounds]
+    return _followed(setup, plain, pool, tell, begun=begun)
 
 
 def _followed(
@@ -80,7 +83,7 @@ def _followed(
         if path[-1].costly and (depth >= MOST_EFFECTS_COSTLY or leaves_nothing(setup, path[-1], fits[-1])):
             break
         tell(f"tracing, round {depth + 1}")
-        known = next((r for r in begun if r.onto is path[-1]), None)
+        known = next((r for r in begun if _same(r.onto, path[-1])), None)
         tried, accepted, confirmed = _round(setup, path[-1], fits[-1], pool, tell, known, later)
         rounds.append(tried)
         if accepted is None:
@@ -91,6 +94,11 @@ def _followed(
         if confirmed:
             decided.add(accepted[0].names[-1])
     return Path(path, rounds, fits, rivals, frozenset(decided))
+
+
+def _same(one: Trial, other: Trial) -> bool:
+    """Whether two trials are the same effects, fitted alike."""
+    return one is other or (one.names == other.names and one.swing.chi2 == other.swing.chi2)
 
 
 def _round(
@@ -105,7 +113,6 @@ def _round(
     """
 
     def explained(trial: Trial) -> bool:
-        # Where a block slips what is left is a median over the windows, and says nothing of a minority of them.
         return not slips(trial) and over_noise(setup, trial) < structure(setup)
 
     tried = search(setup.simulator, onto, pool, tell, explained=explained, later=later) if known is None else known

@@ -398,8 +398,8 @@ def ways(monkeypatch):
 
 
 def path_of(*names, costly=False):
-    parts = tuple(SimpleNamespace(name=n) for n in names)
-    swing = SimpleNamespace(model=None, rms=1.5)
+    parts = tuple(SimpleNamespace(name=n, slips=n == "slide", in_swings=n != "adhesion") for n in names)
+    swing = SimpleNamespace(model=None, rms=1.5, chi2=10.0 * len(names))
     return SimpleNamespace(names=names, parts=parts, swing=swing, costly=costly)
 
 
@@ -445,6 +445,47 @@ def test_one_effect_that_leaves_nothing_needs_no_floor(ways):
     ways.put_off = ()
     searched()
     assert all(later for _, later, _ in ways.rounds)
+
+
+def test_one_effect_that_slips_puts_no_floor_off(ways):
+    """What it leaves is a median over the windows."""
+    ways.chance = False
+    ways.accepted = {((), True): path_of("slide"), ((), False): path_of("floor", costly=True)}
+    assert [t.names for t in searched().trials] == [(), ("floor",)]
+
+
+def test_rounds_are_gone_on_with_where_whole_records_made_the_trial_anew(ways, monkeypatch):
+    """As the same effects, fitted alike; what they brought in besides is left to them again."""
+    ways.explains = False
+    ways.accepted = {((), True): path_of("a"), ((), False): path_of("a"), (("a",), True): path_of("a", "adhesion")}
+    begun = []
+    one_round = rounds._round
+
+    def noted(setup, onto, whole, pool, tell, known, later):
+        begun.append(known and [t.names for t in known.trials])
+        found = one_round(setup, onto, whole, pool, tell, known, later)
+        if later and found[1]:
+            found[0].trials.append(found[1][0])
+        return found
+
+    monkeypatch.setattr(rounds, "_round", noted)
+    searched()
+    assert ways.rounds[-2:] == [((), False, True), (("a",), False, True)]
+    assert begun[-2:] == [[("a",)], []]
+
+
+def test_a_round_that_is_known_is_not_searched_again(stubs):
+    setup = SimpleNamespace(simulator=None, by_rotation=True)
+    quiet = lambda text: None  # noqa: E731
+    stubs.whole["tilt"] = whole(20.0, 25.0)
+    tried, accepted, _ = rounds._round(setup, PLAIN, whole(30.0, 40.0), (), quiet, later=True)
+    assert accepted is None and stubs.tried == [] and tried.put_off == ("floor",)
+    # The block leaves nothing of the swings, so that floors come after the others; here it leaves something.
+    known = Round(trial("", 1000.0, 1.2), [trial("tilt", 980.0, 1.1)], put_off=("floor",))
+    stubs.explained = None
+    found, accepted, _ = rounds._round(setup, known.onto, whole(30.0, 40.0), (), quiet, known)
+    assert found is known and stubs.explained is None  # `search` was not asked
+    assert stubs.tried == ["floor"] and accepted[0] is FLOOR
 
 
 @pytest.mark.parametrize(("fits", "carries"), [((0.0011, 0.0026), False), ((0.0048, 0.0012), True)])
