@@ -257,7 +257,7 @@ def _borne_out(setup: Setup, rivals: Sequence[Rival], chosen: Trial, whole: Fit)
 
     if chosen.costly:
         return tuple(r for r in rivals if r.trial.costly or not refused(r))
-    return standing(rivals, refused)
+    return standing(rivals, refused, lambda r, first: setup.by_rotation and explains_more(setup, r.whole, first.whole))
 
 
 def _declared(campaign: Campaign, g: float) -> LoopModel:

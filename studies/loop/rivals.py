@@ -73,18 +73,25 @@ def near(setup: Setup, tried: Round, best: Trial, whole: Fit) -> tuple[Rival, ..
     return tuple(sorted(found, key=lambda r: r.criterion))
 
 
-def standing(rivals: Sequence[Rival], refused: Callable[[Rival], bool]) -> tuple[Rival, ...]:
-    """The rivals, the best one first that is not refused.
+def standing(
+    rivals: Sequence[Rival], refused: Callable[[Rival], bool], preferred: Callable[[Rival, Rival], bool]
+) -> tuple[Rival, ...]:
+    """The rivals, the best one first that is not refused; of its twins the one that whole records prefer by far.
 
     One that is refused is a twin still where swings do not tell it from the best: whole records are rugged.  Where they
     would prefer it by more, it counts as refused, and comes last.
 
     refused: whether whole records speak against a rival by far.
+    preferred: whether they speak for one rival against another by far.
     """
     by_criterion = sorted(rivals, key=lambda r: r.criterion)
     first = next((r for r in by_criterion if not refused(r)), None)
     if first is None:
         return tuple(by_criterion)
+    alike = [r for r in by_criterion if r is not first and abs(r.criterion - first.criterion) < TWIN and not refused(r)]
+    for rival in alike:
+        if preferred(rival, first):
+            first = rival
     before = [r for r in by_criterion if r.criterion < first.criterion - TWIN]
     others = [r for r in by_criterion if r is not first and all(r is not b for b in before)]
     return (first, *others, *(replace(r, refused=True) for r in before))

@@ -221,6 +221,11 @@ def test_what_whole_records_refused_does_not_come_back_as_a_rival(monkeypatch):
         # Swings prefer it by far: the two disagree, and it is no twin.
         (850.0, 30.0, True, [("tilt", False), ("mass", True)], ()),
         (895.0, 1.0, True, [("mass", False), ("tilt", False)], (("mass", "tilt"),)),
+        # Swings prefer the tilt by a little, whole records the mass by far: of twins they say which comes first.
+        (905.0, 0.3, True, [("mass", False), ("tilt", False)], (("mass", "tilt"),)),
+        (905.0, 0.3, False, [("tilt", False), ("mass", False)], (("tilt", "mass"),)),
+        # It is no twin, and swings have said enough.
+        (930.0, 0.3, True, [("tilt", False), ("mass", False)], ()),
         # Accelerometers hang too finely on the ends of whole records to ask these.
         (895.0, 30.0, False, [("mass", False), ("tilt", False)], (("mass", "tilt"),)),
     ],
