@@ -162,7 +162,8 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
     best = min(routes, key=lambda t: bic(t.swing))
     learned = any(part.effect in LEARNED for part in best.parts)
     # Some coefficients are effects with a name: where both leave nothing, the name is the better answer.
-    if not learned or bic(best.swing) > bic(named.swing) - PAYS:
+    # Where the block alone leaves no more either, what was learned only undoes what whole records brought in.
+    if not learned or bic(best.swing) > min(bic(named.swing), bic(plain.swing)) - PAYS:
         if over_noise(setup, named) > unexplained(setup):
             return named, "unexplained"
         return named, "effect" if named.parts else "none"

@@ -336,6 +336,21 @@ def test_what_was_learned_takes_the_place_of_names_where_it_explains_far_more(mo
     assert chosen is (found if ends == "effect" else other)
 
 
+def test_what_only_undoes_an_effect_is_not_learned(monkeypatch):
+    """Whole records brought an effect in that the swings are no better for: a term that takes it back is none."""
+    plain, found, other = (
+        explained_trial(8_950.0),
+        explained_trial(9_050.0, "lag"),
+        explained_trial(8_940.0, "learned_term"),
+    )
+    monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.04)
+    monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
+    monkeypatch.setattr(closing, "unexplained", lambda setup: 1.05)
+    monkeypatch.setattr(closing, "learn", lambda _, onto, *__, **___: plain if onto is plain else other)
+    setup = SimpleNamespace(simulator=None, records=[])
+    assert closing._explained(setup, plain, found, lambda text: None) == (found, "effect")
+
+
 def test_nothing_is_learned_where_two_effects_leave_what_noise_leaves(monkeypatch):
     plain, found = explained_trial(20_000.0), explained_trial(9_000.0, "rounded_edges", "viscous_damping")
     monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.01)
