@@ -35,6 +35,7 @@ METHOD1 = (
     "test_physics_under_jax", "test_properties", "test_solvers_agree",
 )  # fmt: skip
 TAYLOR = (
+    "test_functions_of_taylor",
     "test_chatter_limits",
     "test_taylor",
     "test_exact_batch",
@@ -43,7 +44,14 @@ TAYLOR = (
     "test_maps",
     "test_solvers_agree",
 )
-EXACT = ("test_exact", "test_exact_batch", "test_solvers_agree", "test_other_engines", "test_properties")
+EXACT = (
+    "test_functions_of_exact",
+    "test_exact",
+    "test_exact_batch",
+    "test_solvers_agree",
+    "test_other_engines",
+    "test_properties",
+)
 DIFFRAX = (
     "test_stretch_limits",
     "test_diffrax_events",
@@ -96,7 +104,7 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("rocking/effect.py", EFFECTS),
     ("rocking/motion.py", ("test_trajectory", "effects/test_base_effects", *METHOD1)),
     ("rocking/scalars.py", (*METHOD1, *METHOD2)),
-    ("rocking/solvers/exact/jax*.py", ("test_lanes_of_devices", "test_devices", *EXACT)),
+    ("rocking/solvers/exact/jax*.py", ("test_functions_of_exact", "test_lanes_of_devices", "test_devices", *EXACT)),
     ("rocking/solvers/exact/*.py", EXACT),
     ("rocking/solvers/piecewise/*.py", (*EXACT, *TAYLOR)),
     ("rocking/solvers/arrays.py", TAYLOR),
