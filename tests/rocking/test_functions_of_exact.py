@@ -850,7 +850,7 @@ def test_searches_of_lanes_come_to_the_first_root_and_never_pass_one() -> None:
     assert np.all(np.abs(at[lands] - want[lands]) < near)
     assert np.all(want[(at >= 1.0) & ~lands] > 1.0 - near)
     assert np.all(at[~lands] > 0.0)
-    # How many are decided at once, of these polynomials with these bounds: a looser bound decides fewer.
+    # How many are decided at once, as found with these bounds and by no theory: a looser bound decides fewer.
     assert np.mean(lands[want < 1.0]) > 0.912
     assert np.mean(at[want > 1.0] >= 1.0) > 0.860
 
