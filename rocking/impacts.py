@@ -8,8 +8,8 @@ velocity u and the normal velocity v < 0.  An impulse (P_x, P_z) there changes t
 
 Laws     `frictional` (default): Chatterjee & Ruina (1998): normal restitution e_n exactly, tangential e_t within
          the friction cone; energy never grows.  `kinematic`: v -> -e_n v and u -> -e_t u, whatever friction would
-         allow.  `two_corner`: plastic, with a share of the impulse at the corner that carried; for rocking
-         impacts of a block that does not slide (where it slides, that law could create energy), else `frictional`.
+         allow.  `two_corner`: plastic, with a share of the impulse at the corner that carried, so that rocking impacts
+         have a given ratio of angular speeds; `frictional` for all others.
 Source   Chatterjee & Ruina (1998), J. Appl. Mech. 65, 939-951, for the one-corner law; own derivation for the rest.
 Status   Ishiyama (1982) introduced a normal and a tangential coefficient; whether he limited the tangential impulse by
          friction is not known to us, hence the law is a named choice.
@@ -59,23 +59,46 @@ def after_impulse(
     return u + P_x + r_z * spin, v + P_z - r_x * spin, omega + spin
 
 
-def two_corner_impact(s: Any, v_new: Any, omega: Any, b: Any, h: Any, rho2: Any, share: Any) -> Any:
-    """Angular velocity after a rocking impact that both corners of an upright block share.
+def two_corner_impact(
+    xp: Any, s: Any, u: Any, omega: Any, b: Any, h: Any, rho2: Any, mu: Any, share: Any, ratio_kept: Any
+) -> tuple[Any, Any]:
+    """(u, omega) after a plastic rocking impact on corner s that both corners of an upright block share.
 
-    Corner s carried without slip and takes `share` of the normal impulse; the other lands with v_new < 0, stays down
-    and sticks.
+    The old corner takes `share` of the normal impulse, which gives the block's restitution where the base does not
+    slide.  Where it slides with u, friction adds to the moment: with `ratio_kept` = 0 the normal impulse stays where it
+    is, with 1 the ratio of angular velocities stays, and the impulse moves; linear in between.  No corner is pulled,
+    and normal forces do no work on the block on the whole, so that energy never grows.
     """
-    r_z = -0.5 * h
-    r_new = -s * 0.5 * b
-    # The two normal impulses act like their sum at r_eff, while the velocity that must vanish is that at r_new.
-    r_eff = r_new * (1.0 - 2.0 * share)
-    B_xx = 1.0 + r_z * r_z / rho2
-    B_xz = -r_eff * r_z / rho2
-    B_zx = -r_new * r_z / rho2
-    B_zz = 1.0 + r_new * r_eff / rho2
-    det = B_xx * B_zz - B_xz * B_zx
-    P_x, P_z = B_xz * v_new / det, -B_xx * v_new / det
-    return omega + (r_z * P_x - r_eff * P_z) / rho2
+    w, U = s * omega, s * u  # turning onto corner s is positive, and so is slip to its side
+    rough = mu == math.inf
+    finite_mu = xp.where(rough, 1.0, mu)
+
+    def friction(loss: Any) -> tuple[Any, Any, Any]:
+        """(impulse, whether it stops the slip, impulse that stops it) where the speed of rotation loses so much."""
+        needed = -U - 0.5 * h * loss
+        most = 0.5 * finite_mu * b * (2.0 * w - loss)
+        sticks = rough | (xp.abs(needed) <= most)
+        return xp.where(sticks, needed, xp.where(needed < 0.0, -most, most)), sticks, needed
+
+    def loss_at(speed: Any, less: Any, jammed: Any) -> Any:
+        """Loss with the new corner's normal impulse beyond the old one's by (b/2)(2 speed w - less loss).
+
+        jammed: the loss where friction would turn the block the faster the faster it turns, without end.
+        """
+        stopped = (0.5 * speed * b * b * w - 0.5 * h * U) / (rho2 + 0.25 * (less * b * b + h * h))
+        _, sticks, needed = friction(stopped)
+        arm = xp.where(needed < 0.0, -finite_mu, finite_mu) * h
+        inertia = rho2 + 0.25 * (less * b + arm) * b
+        slid = 0.5 * (speed * b + arm) * b * w / xp.where(inertia > 0.0, inertia, 1.0)
+        return xp.where(sticks, stopped, xp.where(inertia > 0.0, slid, jammed))
+
+    least, most = loss_at(0.0, 1.0, 0.0), loss_at(1.0, 1.0, 0.0)  # no work of normal forces; all at the new corner
+    apart = 1.0 - 2.0 * share
+    k = apart * b * b / (4.0 * rho2 + h * h)
+    loss = (1.0 - ratio_kept) * loss_at(apart, apart, least) + ratio_kept * (2.0 * k / (1.0 + k) * w)
+    loss = xp.where(loss < least, least, xp.where(loss > most, most, loss))
+    P_x, sticks, _ = friction(loss)
+    return xp.where(sticks, 0.0, s * (U + P_x + 0.5 * h * loss)), s * (w - loss)
 
 
 def flat_impact(

@@ -70,11 +70,13 @@ class Method2:
         tangential_restitution: e_t [1], -1 (frictionless) over 0 (sticks) to 1 (reverses).
         impact_law: "frictional" (Chatterjee & Ruina: e_n exactly, e_t within the friction cone; a rocking impact with
             e_n = e_t = 0 then has Housner's restitution), "kinematic" (v -> -e_n v, u -> -e_t u at the corner), or
-            "two_corner" (rocking impacts have `restitution`; others, and those of a sliding corner, are frictional).
+            "two_corner" (rocking impacts have `restitution` where the base does not slide; others are frictional).
         restitution: e of eq. (4) [1] for "two_corner": Housner's to 1; not with another law.
         g: acceleration of gravity [m/s^2].
         rest_speed: a rocking impact after which |omega| / p is below this [1] brings the block upright.
         chatter_time: a series of bounces that would end within this time [s] is finished at once.
+        ratio_kept: what impacts of a sliding base keep [1], for "two_corner": 0 the place of the normal impulse, 1 the
+            ratio of angular velocities, as far as corners push and no energy is made; linear in between.
 
     Raises:
         ValueError: an argument is out of its range; the kinematic pair (e_n, e_t) would create energy at some tilt;
@@ -91,6 +93,7 @@ class Method2:
     g: float = G_STANDARD
     rest_speed: float = 1e-6
     chatter_time: float = 1e-5
+    ratio_kept: float = 0.0
 
     name = "method2"
     state_names = ("x", "z", "theta", "u", "v", "omega")
@@ -121,6 +124,11 @@ class Method2:
         positive("chatter_time", self.chatter_time, "s")
         if not isinstance(self.impact_law, str) or self.impact_law not in IMPACT_LAWS:
             raise ValueError(f"impact_law={self.impact_law!r}: want one of {', '.join(IMPACT_LAWS)}")
+        within("ratio_kept", self.ratio_kept, 0.0, 1.0)
+        if self.ratio_kept > 0.0 and self.impact_law != "two_corner":
+            raise ValueError(
+                f"ratio_kept={self.ratio_kept!r}: want impact_law='two_corner' with it, not {self.impact_law!r}"
+            )
         if self.impact_law == "kinematic":
             self._check_kinematic_energy()
         if self.impact_law == "two_corner":
@@ -178,6 +186,7 @@ class Method2:
             e_t=float(self.tangential_restitution),
             law=float(IMPACT_LAWS[self.impact_law]),
             share=share,
+            ratio_kept=float(self.ratio_kept),
             omega_rest=self.rest_speed * block.p(self.g),
             chatter_time=float(self.chatter_time),
         )

@@ -39,6 +39,7 @@ class Parameters(NamedTuple):
     e_t: float  # tangential restitution [1]
     law: float  # FRICTIONAL, KINEMATIC or TWO_CORNER
     share: float  # share of a rocking impact's normal impulse at the old corner, TWO_CORNER only [1]
+    ratio_kept: float  # what of the ratio is kept where the base slides, TWO_CORNER only [1]
     omega_rest: float  # angular speed [rad/s] below which a rocking impact is the last
     chatter_time: float  # a series of bounces shorter than this [s] is finished at once
 

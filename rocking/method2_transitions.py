@@ -133,10 +133,11 @@ def corner_landing(
 
     P_x, P_z = corner_impulse(xp, r_x, r_z, u, v, par.rho2, par.mu_k, 0.0, par.e_t, kinematic)
     u_down, _, omega_down = after_impulse(r_x, r_z, u, v, omega, P_x, P_z, par.rho2)
-    shared = rocks & (par.law == TWO_CORNER) & (u == 0.0)
-    omega_two = two_corner_impact(-s, v, omega, par.b, par.h, par.rho2, par.share)
-    u_down = xp.where(shared, 0.0, u_down)
-    omega_down = xp.where(shared, omega_two, omega_down)
+    shared = rocks & (par.law == TWO_CORNER)
+    u_two, omega_two = two_corner_impact(
+        xp, s, u, omega, par.b, par.h, par.rho2, par.mu_k, par.share, par.ratio_kept
+    )  # fmt: skip
+    u_down, omega_down = xp.where(shared, u_two, u_down), xp.where(shared, omega_two, omega_down)
     u_down = xp.where(xp.abs(u_down) <= SNAP * (xp.abs(u) + xp.abs(v)), 0.0, u_down)
 
     stays = shared | (par.e_n == 0.0) | ends

@@ -38,6 +38,7 @@ class Candidate:
     replaces_restitution: bool = False  # whether the loss of an impact follows from its own parameters
     costly: bool = False  # whether a run takes tens of times as long as that of a rigid block: fewer rivals are tried
     scouts: tuple[str, ...] = ()  # parameters fitted from each start, the others from the best few alone; all if empty
+    after: str = ""  # a form that is tried before; where that promises nothing, this one is left out
 
     def nothing(self, block: DeclaredBlock) -> dict[str, float]:
         """Its own parameters at their absent values: what adds nothing where the effect is there in another form."""
@@ -134,7 +135,7 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
         _one("quadratic_drag", "coefficient", 0.05, [0.1], 0.0, 20.0),
         *floors,
         *tethers,
-        _sliding(block),
+        *_sliding(block),
         Candidate(
             "bouncing", "bouncing", (Parameter("bouncing.normal_restitution", 0.05, 1e-3, 0.95),),
             tuple({"bouncing.normal_restitution": e} for e in (0.05, 0.2, 0.5)),
@@ -162,17 +163,22 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
     )  # fmt: skip
 
 
-def _sliding(block: DeclaredBlock) -> Candidate:
-    # A block with friction below b/h slides before it rocks; far above, friction holds in all but violent shaking.
+def _sliding(block: DeclaredBlock) -> tuple[Candidate, ...]:
+    # A block with friction below b/h slides before it rocks; far above, friction holds in all but violent shaking. What
+    # an impact keeps while the base slides is not known beforehand.
     slender = 2.0 * block.centre_height
     tips = block.breadth / slender
     frictions = [tips * ratio for ratio in (0.8, 0.95, 1.0, 1.03, 1.07, 1.12, 1.2, 1.3, 1.5, 2.0, 3.0)]
     finely = tips * np.geomspace(0.9, 2.0, 54)
-    return Candidate(
-        "sliding", "sliding", (Parameter("sliding.friction", 0.05 * tips, 0.02, 1.3),),
-        tuple({"sliding.friction": mu} for mu in frictions if mu < 1.3), {}, smooth=False,
-        least_restitution=_block(block).housner_restitution * (1.0 + 1e-12), slips=True,
-        scanned=tuple({"sliding.friction": float(mu)} for mu in finely if mu < 1.3),
+    return tuple(
+        Candidate(
+            name, "sliding", (Parameter("sliding.friction", 0.05 * tips, 0.02, 1.3),),
+            tuple({"sliding.friction": mu} for mu in frictions if mu < 1.3), {"sliding.ratio_kept": ratio_kept},
+            smooth=False, least_restitution=_block(block).housner_restitution * (1.0 + 1e-12), slips=True,
+            scanned=tuple({"sliding.friction": float(mu)} for mu in finely if mu < 1.3), scouts=("sliding.friction",),
+            after=after,
+        )
+        for name, ratio_kept, after in (("sliding", 0.0, ""), ("sliding[ratio]", 1.0, "sliding"))
     )  # fmt: skip
 
 

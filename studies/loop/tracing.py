@@ -226,8 +226,12 @@ def search_costly(
 
 def _fitted(simulator: Simulator, candidates: Sequence[Candidate], found: Round, tell: Callable[[str], None]) -> None:
     """Add trials with one of the candidates each to the round, or why there is none."""
-    onto, firsts = found.onto, []
+    onto, firsts = found.onto, list[tuple[Candidate, _First]]()
     for candidate in candidates:
+        promises = any(c.name == candidate.after and first.gained > NOTHING * PAYS for c, first in firsts)
+        if not promises and any(c.name == candidate.after for c in candidates):
+            found.skipped[candidate.name] = f"{candidate.after} promises nothing"
+            continue
         tell(candidate.name)
         first = _on_some(simulator, onto, candidate)
         if isinstance(first, str):

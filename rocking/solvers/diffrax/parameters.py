@@ -30,6 +30,7 @@ METHOD2_NAMES: tuple[str, ...] = (
     "kinetic_friction",
     "normal_restitution",
     "tangential_restitution",
+    "ratio_kept",
     "chatter_time",
 )
 
@@ -46,8 +47,8 @@ def parameters_for(system: System, **changes: Any) -> Any:
     Args:
         system: a `Method1` or `Method2`; it gives what is not replaced, and decides on form, onset and impact law.
         changes: b, h [m], g [m/s^2], rest_speed [1] and restitution [1]; of Method 2 also friction, kinetic_friction,
-            normal_restitution, tangential_restitution [1] and chatter_time [s].  What the system takes from another
-            (Housner's restitution from b and h, kinetic friction from static) follows it.
+            normal_restitution, tangential_restitution, ratio_kept [1] and chatter_time [s].  What the system takes
+            from another (Housner's restitution from b and h, kinetic friction from static) follows it.
 
     Returns:
         The NamedTuple that the system's equations take; each entry has the shape that its arguments broadcast to.
@@ -96,6 +97,7 @@ def _method2(xp: Any, system: Any, v: dict[str, Any]) -> Parameters2:
         e_t=v["tangential_restitution"],
         law=float(IMPACT_LAWS[system.impact_law]),
         share=0.0 if e is None else 0.5 - (1.0 - e) / (2.0 * kappa * (1.0 + e)),
+        ratio_kept=v["ratio_kept"],
         omega_rest=v["rest_speed"] * xp.sqrt(p2),
         chatter_time=v["chatter_time"],
     )

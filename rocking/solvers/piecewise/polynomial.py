@@ -152,8 +152,8 @@ def root_by_parabola(q, slope, h):
         last = change
         for _ in range(4):
             t += change
-            # The error of the slope is about that of the guess, so each step leaves the product of two.
-            if abs(last * change) <= (SURE * t) * (SURE * t):
+            # The slope stays the same: a step that is the share r of the one before leaves about r of itself.
+            if change * change <= (SURE * SURE * t) * abs(last):
                 if 0.0 < t <= end:
                     return t
                 break  # beyond what is certain

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from studies.loop import closing, remaining, rounds, settling, whole_records
+from studies.loop import closing, remaining, rounds, settling, tracing, whole_records
 from studies.loop.rivals import Rival, twins
 from studies.loop.settling import gain, where_told
 from studies.loop.tracing import Round, search
@@ -247,8 +247,27 @@ def test_what_whole_records_refused_is_no_twin():
     assert twins((first, slide, replace(lag, refused=False))) == (("tilt", "lag"),)
 
 
+@pytest.mark.parametrize(("gained", "tried"), [(0.0, ["plain"]), (2.9, ["plain"]), (3.1, ["plain", "plain[other]"])])
+@pytest.mark.parametrize("there", [True, False])
+def test_a_form_is_left_out_where_the_one_before_it_promises_nothing(monkeypatch, gained, tried, there):
+    asked = []
+
+    def first(_, __, candidate):
+        asked.append(candidate.name)
+        return SimpleNamespace(gained=gained)
+
+    monkeypatch.setattr(tracing, "_on_some", first)
+    monkeypatch.setattr(tracing, "_on_all", lambda *_: None)
+    monkeypatch.setattr(tracing, "_ended", lambda *_: [])
+    pool = [SimpleNamespace(name="plain", after=""), SimpleNamespace(name="plain[other]", after="plain")][not there :]
+    found = Round(SimpleNamespace(costly=False))
+    tracing._fitted(None, pool, found, lambda text: None)
+    assert asked == (tried if there else ["plain[other]"])  # on its own it is asked
+    left_out = {"plain[other]": "plain promises nothing"}
+    assert found.skipped == (left_out if there and len(tried) == 1 else {})
+
+
 def test_what_runs_long_is_put_off_by_name_and_tried_when_asked(monkeypatch):
-    from studies.loop import tracing
 
     fitted = []
 
