@@ -78,10 +78,6 @@ def explains(setup: Setup, trial: Trial, whole: Fit) -> bool:
     return not (setup.by_rotation and missed(whole)) and over_noise(setup, trial) < structure(setup)
 
 
-def leaves_nothing(setup: Setup, trial: Trial, whole: Fit) -> bool:
-    return over_noise(setup, trial) < structure(setup) and not missed(whole)
-
-
 def missed(whole: Fit) -> bool:
     """Whether whole records cannot be called explained."""
     missed = int(np.count_nonzero(whole.by_window > MISSED_BY_FAR))

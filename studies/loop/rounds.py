@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from studies.loop.candidates import Candidate
 from studies.loop.fitting import Fit
 from studies.loop.preparing import Setup
-from studies.loop.remaining import MISSED_BY_FAR, by_chance, explains, leaves_nothing, over_noise, slips, structure
+from studies.loop.remaining import MISSED_BY_FAR, by_chance, explains, over_noise, slips, structure
 from studies.loop.rivals import Rival
 from studies.loop.settling import gain, reweighed, telling, whole_fit
 from studies.loop.tracing import LEAST_GAIN, PAYS, Round, Trial, all_candidates, pays, search, search_costly
@@ -80,7 +80,7 @@ def _followed(
     for depth in range(MOST_EFFECTS):
         if depth > 1 and ((later and not by_chance(setup, path[-1])) or path[-1].swing.rms < NOTHING_LEFT):
             break
-        if path[-1].costly and (depth >= MOST_EFFECTS_COSTLY or leaves_nothing(setup, path[-1], fits[-1])):
+        if path[-1].costly and (depth >= MOST_EFFECTS_COSTLY or explains(setup, path[-1], fits[-1])):
             break
         tell(f"tracing, round {depth + 1}")
         known = next((r for r in begun if _same(r.onto, path[-1])), None)

@@ -241,7 +241,10 @@ def _nearest(finding: Finding, units: str) -> str:
             f"The nearest rival, {name}, fits worse by {own} in chi-square over whole records, {apart} {where}; its "
             f"held-out error is {held}."
         )
-    return f"The nearest rival, {name}, fits {apart} in chi-square; its held-out error is {held}."
+    why = (
+        "" if by >= 0.0 else f", less than the {TWIN:g} that would tell them apart, and whole records speak against it"
+    )
+    return f"The nearest rival, {name}, fits {apart} in chi-square{why}; its held-out error is {held}."
 
 
 def _rounds(finding: Finding) -> list[dict[str, Any]]:

@@ -297,7 +297,12 @@ def test_reasons():
     ("refused", "criterion", "said"),
     [
         (False, 108.8, "The nearest rival, eccentric mass, fits worse by 8.8 in chi-square; its held-out error is"),
-        (False, 95.0, "The nearest rival, eccentric mass, fits better by 5 in chi-square; its held-out error is"),
+        (
+            False,
+            95.0,
+            "The nearest rival, eccentric mass, fits better by 5 in chi-square, less than the 12 that would "
+            "tell them apart, and whole records speak against it; its held-out error is",
+        ),
         (True, 50.0, "fits worse by 8500 in chi-square over whole records, better by 50 in single swings; its"),
     ],
 )

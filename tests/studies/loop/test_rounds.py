@@ -432,7 +432,6 @@ def ways(monkeypatch):
     monkeypatch.setattr(rounds, "whole_fit", lambda setup, trial: None)
     monkeypatch.setattr(rounds, "by_chance", lambda setup, trial: told.chance)
     monkeypatch.setattr(rounds, "explains", lambda setup, trial, whole: told.explains)
-    monkeypatch.setattr(rounds, "leaves_nothing", lambda setup, trial, whole: told.explains)
     return told
 
 
