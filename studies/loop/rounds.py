@@ -17,7 +17,7 @@ from studies.loop.remaining import MISSED_BY_FAR, by_chance, explains, over_nois
 from studies.loop.rivals import Rival
 from studies.loop.settling import gain, reweighed, telling, whole_fit
 from studies.loop.tracing import LEAST_GAIN, PAYS, Round, Trial, all_candidates, pays, search, search_costly
-from studies.loop.whole_records import HINT, asked, explains_more, merged, ranked
+from studies.loop.whole_records import HINT, MISSED, asked, explains_more, merged, ranked
 
 Tell = Callable[[str], None]
 Accepted = tuple[Trial, Fit]
@@ -55,8 +55,10 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
         pool = tuple(c for c in pool if c.effect not in OF_THE_ROTATION_SENSOR)
     quick = _followed(setup, plain, pool, tell, later=True)
     last = quick.trials[-1]
-    # Where a block slips what is left is a median over the windows, and says nothing of a minority of them.
-    little = by_chance(setup, last) or (len(last.parts) < 2 and not slips(last))
+    # Where a block slips what is left is a median over the windows, and says nothing of a minority of them; whole
+    # records do.
+    known = not slips(last) or quick.fits[-1].rms < MISSED
+    little = by_chance(setup, last) or (len(last.parts) < 2 and known)
     if not any(r.put_off for r in quick.rounds) or (little and explains(setup, last, quick.fits[-1])):
         return quick
     tell("something is left: again with floors that give")

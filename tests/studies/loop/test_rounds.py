@@ -418,14 +418,14 @@ def test_noise_alone_leaves_by_chance_what_its_distribution_says():
 @pytest.fixture
 def ways(monkeypatch):
     """A search in which floors are put off at first, and each case says what is accepted and what that leaves."""
-    told = SimpleNamespace(chance=True, explains=True, rounds=[], accepted={}, put_off=("floor",))
+    told = SimpleNamespace(chance=True, explains=True, rounds=[], accepted={}, put_off=("floor",), whole=1.4)
 
     def one_round(setup, onto, whole, pool, tell, known, later):
         told.rounds.append((onto.names, later, known is not None))
         tried = known or Round(onto, put_off=told.put_off)
         tried.put_off = told.put_off if later else ()
         nxt = told.accepted.get((onto.names, later))
-        return tried, nxt and (nxt, None), ()
+        return tried, nxt and (nxt, SimpleNamespace(rms=told.whole)), ()
 
     monkeypatch.setattr(rounds, "_round", one_round)
     monkeypatch.setattr(rounds, "all_candidates", lambda model: ())
@@ -490,6 +490,8 @@ def test_one_effect_that_slips_puts_no_floor_off(ways):
     ways.chance = False
     ways.accepted = {((), True): path_of("slide"), ((), False): path_of("floor", costly=True)}
     assert [t.names for t in searched().trials] == [(), ("floor",)]
+    ways.whole = 1.2  # whole records are explained
+    assert [t.names for t in searched().trials] == [(), ("slide",)]
 
 
 def test_rounds_are_gone_on_with_where_whole_records_made_the_trial_anew(ways, monkeypatch):
