@@ -35,7 +35,6 @@ METHOD1 = (
     "test_physics_under_jax", "test_properties", "test_solvers_agree",
 )  # fmt: skip
 TAYLOR = (
-    "test_functions_of_taylor",
     "test_chatter_limits",
     "test_taylor",
     "test_exact_batch",
@@ -45,13 +44,13 @@ TAYLOR = (
     "test_solvers_agree",
 )
 EXACT = (
-    "test_functions_of_exact",
     "test_exact",
     "test_exact_batch",
     "test_solvers_agree",
     "test_other_engines",
     "test_properties",
 )
+DEVICES = ("test_lanes_of_devices", "test_devices")
 DIFFRAX = (
     "test_stretch_limits",
     "test_diffrax_events",
@@ -104,10 +103,46 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("rocking/effect.py", EFFECTS),
     ("rocking/motion.py", ("test_trajectory", "effects/test_base_effects", *METHOD1)),
     ("rocking/scalars.py", (*METHOD1, *METHOD2)),
-    ("rocking/solvers/exact/jax*.py", ("test_functions_of_exact", "test_lanes_of_devices", "test_devices", *EXACT)),
+    (
+        "rocking/solvers/exact/jax_flight.py",
+        ("test_functions_of_exact_jax_flight", "test_functions_of_exact_jax_rounds", *DEVICES, *EXACT),
+    ),
+    (
+        "rocking/solvers/exact/jax_lanes.py",
+        ("test_functions_of_exact_jax_lanes", "test_functions_of_exact_jax_rounds", *DEVICES, *EXACT),
+    ),
+    ("rocking/solvers/exact/jax_rounds.py", ("test_functions_of_exact_jax_rounds", *DEVICES, *EXACT)),
+    ("rocking/solvers/exact/jax*.py", (*DEVICES, *EXACT)),
+    ("rocking/solvers/exact/step.py", ("test_functions_of_exact_step", "test_functions_of_exact_kernel", *EXACT)),
+    ("rocking/solvers/exact/kernel.py", ("test_functions_of_exact_kernel", *EXACT)),
     ("rocking/solvers/exact/*.py", EXACT),
+    (
+        "rocking/solvers/piecewise/polynomial.py",
+        (
+            "test_functions_of_polynomial",
+            "test_functions_of_exact_step",
+            "test_functions_of_exact_kernel",
+            *EXACT,
+            *TAYLOR,
+        ),
+    ),
     ("rocking/solvers/piecewise/*.py", (*EXACT, *TAYLOR)),
     ("rocking/solvers/arrays.py", TAYLOR),
+    (
+        "rocking/solvers/taylor/flight.py",
+        ("test_functions_of_taylor_flight", "test_functions_of_taylor_lanes", *TAYLOR),
+    ),
+    (
+        "rocking/solvers/taylor/roots.py",
+        ("test_functions_of_taylor_lanes", "test_functions_of_taylor_flight", *TAYLOR),
+    ),
+    ("rocking/solvers/taylor/lanes.py", ("test_functions_of_taylor_lanes", *TAYLOR)),
+    ("rocking/solvers/taylor/turns.py", ("test_functions_of_taylor_turns", "test_functions_of_taylor_lanes", *TAYLOR)),
+    ("rocking/solvers/taylor/waits.py", ("test_functions_of_taylor_turns", *TAYLOR)),
+    (
+        "rocking/solvers/taylor/table.py",
+        ("test_functions_of_taylor_turns", "test_functions_of_taylor_lanes", *TAYLOR),
+    ),
     ("rocking/solvers/taylor/*.py", TAYLOR),
     ("rocking/solvers/diffrax/*.py", DIFFRAX),
     ("rocking/solvers/scipy_events.py", ("test_solvers_agree", "test_physics_under_jax", "test_trajectory")),

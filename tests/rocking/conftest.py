@@ -1,13 +1,22 @@
-"""The block of most tests and one base motion that can be a pulse, a jump, a steady push or a shaking."""
+"""The block of most tests and one base motion that can be a pulse, a jump, a steady push or a shaking.
+
+Modules of this folder can be imported by name.
+"""
 
 import math
+import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from rocking import Block
+
+sys.path.insert(0, str(Path(__file__).parent))
+# Assertions of a shared module tell what they compared, as those of a test do.
+pytest.register_assert_rewrite("functions_of_taylor")
 
 
 def window_acceleration(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
