@@ -38,6 +38,7 @@ class Candidate:
     replaces_restitution: bool = False  # whether the loss of an impact follows from its own parameters
     costly: bool = False  # whether a run takes tens of times as long as that of a rigid block: fewer rivals are tried
     scouts: tuple[str, ...] = ()  # parameters fitted from each start, the others from the best few alone; all if empty
+    screened: int = 0  # so many starts are fitted, those that explain most as they are; all if 0
     after: str = ""  # a form that is tried before; where that promises nothing, this one is left out
 
     def nothing(self, block: DeclaredBlock) -> dict[str, float]:
@@ -176,7 +177,7 @@ def _sliding(block: DeclaredBlock) -> tuple[Candidate, ...]:
             tuple({"sliding.friction": mu} for mu in frictions if mu < 1.3), {"sliding.ratio_kept": ratio_kept},
             smooth=False, least_restitution=_block(block).housner_restitution * (1.0 + 1e-12), slips=True,
             scanned=tuple({"sliding.friction": float(mu)} for mu in finely if mu < 1.3), scouts=("sliding.friction",),
-            after=after,
+            screened=5, after=after,
         )
         for name, ratio_kept, after in (("sliding", 0.0, ""), ("sliding[ratio]", 1.0, "sliding"))
     )  # fmt: skip

@@ -285,10 +285,17 @@ def _on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> _First 
     reason = "no start led anywhere"
     nothing = _nothing(onto, candidate)
     least = {RESTITUTION: max(onto.swing.model.restitution, candidate.least_restitution)}
+    starts: list[tuple[LoopModel, Sequence[Window], float]] = []
     for start in (*candidate.starts, *([nothing] if candidate.smooth else [])):
         try:
             model = onto.swing.model.changed({**least, **candidate.fixed, **start})
-            windows = some if candidate.smooth else _afresh(simulator, model, some)
+            starts.append((model, *((some, 0.0) if candidate.smooth else _afresh(simulator, model, some))))
+        except ValueError as refusal:
+            reason = str(refusal)
+    if candidate.screened:
+        starts = sorted(starts, key=lambda start: start[2])[: candidate.screened]
+    for model, windows, _ in starts:
+        try:
             begun.append(fit(simulator, model, scouts or parameters, windows, iterations=2 if scouts else 3))
         except ValueError as refusal:
             reason = str(refusal)
@@ -309,19 +316,20 @@ def _on_all(simulator: Simulator, onto: Trial, candidate: Candidate, first: _Fir
     """The candidate fitted to all windows by a few steps from its best start."""
     whole = onto.swing.windows
     if not candidate.smooth:
-        whole = tuple(_afresh(simulator, first.model, whole))
+        whole = tuple(_afresh(simulator, first.model, whole)[0])
     promising = first.gained > NOTHING * PAYS
     return fit(simulator, first.model, first.parameters, whole, iterations=4 if promising else 1)
 
 
-def _afresh(simulator: Simulator, model: LoopModel, windows: Sequence[Window]) -> list[Window]:
-    """The windows, each from the state that the record shows where the model fits better from there.
+def _afresh(simulator: Simulator, model: LoopModel, windows: Sequence[Window]) -> tuple[list[Window], float]:
+    """The windows, each from the state that the record shows where the model fits better from there, and chi-square.
 
     A model that lacks an effect bends the states to what it can do; they are then no place to try the effect from.
     """
     seen = [_as_seen(model, w) for w in windows]
     fitted, plain = (objectives(model, residuals(simulator, model, each), each, HUBER) for each in (windows, seen))
-    return [s if b < a else w for w, s, a, b in zip(windows, seen, fitted, plain, strict=True)]
+    states = [s if b < a else w for w, s, a, b in zip(windows, seen, fitted, plain, strict=True)]
+    return states, float(np.minimum(fitted, plain).sum())
 
 
 def _as_seen(model: LoopModel, window: Window) -> Window:
