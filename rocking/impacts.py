@@ -80,22 +80,19 @@ def two_corner_impact(
         sticks = rough | (xp.abs(needed) <= most)
         return xp.where(sticks, needed, xp.where(needed < 0.0, -most, most)), sticks, needed
 
-    def loss_at(speed: Any, less: Any, jammed: Any) -> Any:
-        """Loss with the new corner's normal impulse beyond the old one's by (b/2)(2 speed w - less loss).
-
-        jammed: the loss where friction would turn the block the faster the faster it turns, without end.
-        """
+    def loss_at(speed: Any, less: Any) -> Any:
+        """Loss with the new corner's normal impulse beyond the old one's by (b/2)(2 speed w - less loss)."""
         stopped = (0.5 * speed * b * b * w - 0.5 * h * U) / (rho2 + 0.25 * (less * b * b + h * h))
         _, sticks, needed = friction(stopped)
         arm = xp.where(needed < 0.0, -finite_mu, finite_mu) * h
-        inertia = rho2 + 0.25 * (less * b + arm) * b
+        inertia = rho2 + 0.25 * (less * b + arm) * b  # positive unless friction stops the slip
         slid = 0.5 * (speed * b + arm) * b * w / xp.where(inertia > 0.0, inertia, 1.0)
-        return xp.where(sticks, stopped, xp.where(inertia > 0.0, slid, jammed))
+        return xp.where(sticks, stopped, slid)
 
-    least, most = loss_at(0.0, 1.0, 0.0), loss_at(1.0, 1.0, 0.0)  # no work of normal forces; all at the new corner
+    least, most = loss_at(0.0, 1.0), loss_at(1.0, 1.0)  # no work of normal forces; all at the new corner
     apart = 1.0 - 2.0 * share
     k = apart * b * b / (4.0 * rho2 + h * h)
-    loss = (1.0 - ratio_kept) * loss_at(apart, apart, least) + ratio_kept * (2.0 * k / (1.0 + k) * w)
+    loss = (1.0 - ratio_kept) * loss_at(apart, apart) + ratio_kept * (2.0 * k / (1.0 + k) * w)
     loss = xp.where(loss < least, least, xp.where(loss > most, most, loss))
     P_x, sticks, _ = friction(loss)
     return xp.where(sticks, 0.0, s * (U + P_x + 0.5 * h * loss)), s * (w - loss)

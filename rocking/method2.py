@@ -70,7 +70,8 @@ class Method2:
         tangential_restitution: e_t [1], -1 (frictionless) over 0 (sticks) to 1 (reverses).
         impact_law: "frictional" (Chatterjee & Ruina: e_n exactly, e_t within the friction cone; a rocking impact with
             e_n = e_t = 0 then has Housner's restitution), "kinematic" (v -> -e_n v, u -> -e_t u at the corner), or
-            "two_corner" (rocking impacts have `restitution` where the base does not slide; others are frictional).
+            "two_corner" (rocking impacts are plastic, e_n and e_t have no say in them, and have `restitution` where the
+            base does not slide; landings from the air are frictional).
         restitution: e of eq. (4) [1] for "two_corner": Housner's to 1; not with another law.
         g: acceleration of gravity [m/s^2].
         rest_speed: a rocking impact after which |omega| / p is below this [1] brings the block upright.

@@ -96,8 +96,9 @@ class Bouncing(Effect):
             if self.normal_restitution == 0.0:
                 return method
             return replace(
-                method, normal_restitution=self.normal_restitution, impact_law="frictional", restitution=None
-            )
+                method, normal_restitution=self.normal_restitution, impact_law="frictional", restitution=None,
+                ratio_kept=0.0,
+            )  # fmt: skip
         law = {}
         if self.normal_restitution == 0.0 and method.restitution is not None:
             law = {"impact_law": "two_corner", "restitution": method.restitution}

@@ -2,7 +2,7 @@
 
 Changes     the modes: Method 2 (Ishiyama's six) in place of Method 1
 Parameters  friction mu [1], static and kinetic; no slip at any load (infinite) where it is absent; ratio_kept [1],
-            what an impact keeps of the ratio of angular velocities where the base slides
+            what an impact keeps of the ratio of angular velocities where the base slides; beside bouncing nothing
 Use when    the base acceleration comes near mu g, or the block is stocky
 Limits      those of Method 2; a given restitution is carried by its two-corner law, which cannot have one below
             Housner's
@@ -44,8 +44,17 @@ class Sliding(Effect):
                 raise ValueError(
                     f"sliding.friction={self.friction!r}: bouncing.friction={method.friction!r} says it too"
                 )
-            return replace(method, friction=self.friction, ratio_kept=self.ratio_kept)
-        law: dict[str, Any] = {}
-        if method.restitution is not None or self.ratio_kept > 0.0:
-            law = {"impact_law": "two_corner", "restitution": method.e, "ratio_kept": self.ratio_kept}
-        return Method2(method.block, friction=self.friction, g=method.g, rest_speed=method.rest_speed, **law)
+            if method.normal_restitution > 0.0:
+                return replace(method, friction=self.friction)  # the ratio of what bounces follows from the bounces
+            return replace(method, friction=self.friction, **self._law(method))
+        return Method2(
+            method.block, friction=self.friction, g=method.g, rest_speed=method.rest_speed, **self._law(method)
+        )  # fmt: skip
+
+    def _law(self, method: Method1 | Method2) -> dict[str, Any]:
+        """The law of impacts that carries restitution and `ratio_kept`: frictional impacts have Housner's and 0."""
+        e = method.restitution
+        if e is None and self.ratio_kept == 0.0:
+            return {}
+        e = max(method.block.housner_restitution, 0.0) if e is None else e
+        return {"impact_law": "two_corner", "restitution": e, "ratio_kept": self.ratio_kept}

@@ -107,7 +107,7 @@ def system_of(method: str, block: Block, settings: Settings) -> System:
         # Effects on the equations are added to the nonlinear ones.
         form = "nonlinear" if settings.effects_on_block else settings.form
         return Method1(block, restitution=settings.restitution, form=form)
-    # The two-corner law is the frictional one with rocking impacts of a given restitution; another law has none.
+    # The two-corner law has a given restitution in rocking impacts and is frictional elsewhere; another law has none.
     given = settings.restitution is not None and settings.impact_law == "frictional"
     law: ImpactLaw = "two_corner" if given else settings.impact_law
     return Method2(

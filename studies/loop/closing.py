@@ -23,7 +23,7 @@ from studies.loop.names import readable
 from studies.loop.preparing import Setup, prepare
 from studies.loop.remaining import MISSED_BY_FAR, by_chance, missed, over_noise, slips, structure, unexplained
 from studies.loop.revising import Revision, revised
-from studies.loop.rivals import Rival, near_all, standing, twins
+from studies.loop.rivals import Rival, near_all, other_forms, standing, twins
 from studies.loop.rounds import traced
 from studies.loop.scoring import Errors, errors, leaning, median
 from studies.loop.settling import Settled, intervals, settle, whole_fit
@@ -137,7 +137,8 @@ def close(
     return Finding(
         setup, verdict, declared, models["before"], models["after"], before.whole, after.whole, chosen, rivals,
         twins(rivals, named.trial), tuple(rounds), named.rounds or tuple(rounds[:1]), all_errors, median(floors),
-        intervals(chosen, after), (*setup.notes, *named.said, *said, *unlearned, *_unseen(setup)), after,
+        intervals(chosen, after), (*setup.notes, *named.said, *said, *_of_forms(rivals), *unlearned, *_unseen(setup)),
+        after,
     )  # fmt: skip
 
 
@@ -268,6 +269,14 @@ def _declared(campaign: Campaign, g: float) -> LoopModel:
         return model
     housner = 1.0 - 1.5 * math.sin(campaign.block.alpha) ** 2
     return replace(model, restitution=min(max(housner, 0.05), 1.0))
+
+
+def _of_forms(rivals: Sequence[Rival]) -> tuple[str, ...]:
+    """What is to be said of other forms of the effects that were found."""
+    return tuple(
+        f"{readable(mine)} or {readable(its).lower()}: these data do not tell which of these forms the effect has"
+        for mine, its in other_forms(rivals)
+    )
 
 
 def _unseen(setup: Setup) -> tuple[str, ...]:

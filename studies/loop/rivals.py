@@ -97,6 +97,19 @@ def standing(
     return (first, *others, *(replace(r, refused=True) for r in before))
 
 
+def other_forms(rivals: Sequence[Rival]) -> tuple[tuple[str, str], ...]:
+    """Of the best of the rivals each form of an effect with another form of it that these data do not tell from it."""
+    best, *others = rivals or (None,)
+    return tuple(
+        (mine, its)
+        for r in others
+        if best is not None and not r.refused and r.trial.effects == best.trial.effects
+        and r.criterion - best.criterion < TWIN
+        for mine, its in zip(best.trial.names, r.trial.names, strict=True)
+        if mine != its
+    )  # fmt: skip
+
+
 def twins(rivals: Sequence[Rival], about: Trial | None = None) -> tuple[tuple[str, ...], ...]:
     """Sets that these data cannot tell apart: an effect and those that may stand in its place.
 

@@ -230,7 +230,7 @@ def _fitted(simulator: Simulator, candidates: Sequence[Candidate], found: Round,
     for candidate in candidates:
         promises = any(c.name == candidate.after and first.gained > NOTHING * PAYS for c, first in firsts)
         if not promises and any(c.name == candidate.after for c in candidates):
-            found.skipped[candidate.name] = f"{candidate.after} promises nothing"
+            found.skipped[candidate.name] = found.skipped.get(candidate.after, f"{candidate.after} promises nothing")
             continue
         tell(candidate.name)
         first = _on_some(simulator, onto, candidate)

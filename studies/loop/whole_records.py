@@ -184,9 +184,12 @@ def _as_rival(
 
 
 def hints(onto: Trial, tried: Round, hint: float = HINT) -> list[Trial]:
-    """The trials of a round that swings hint at, the strongest hints first."""
+    """The trials of a round that swings hint at, the strongest hints first; of forms tried in turn the best one."""
     likely = [t for t in tried.trials if t.parts[-1].in_swings and bic(t.swing) < bic(onto.swing) - hint]
-    return sorted(likely, key=lambda t: bic(t.swing))[:MOST_HINTS]
+    best: dict[str, Trial] = {}
+    for trial in sorted(likely, key=lambda t: bic(t.swing)):
+        best.setdefault(trial.parts[-1].after or trial.names[-1], trial)
+    return list(best.values())[:MOST_HINTS]
 
 
 def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round, hint: float = HINT) -> tuple[Rival, ...]:

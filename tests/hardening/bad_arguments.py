@@ -105,6 +105,7 @@ LISTED: tuple[tuple[str, str, Any], ...] = (
     ("rocking.Method2", "friction", None), ("rocking.Method2", "kinetic_friction", 1.4),
     ("rocking.Method2", "kinetic_friction", 0.6), ("rocking.Method2", "kinetic_friction", "x"),
     ("rocking.Method2", "normal_restitution", 1.1), ("rocking.Method2", "normal_restitution", None),
+    ("rocking.Method2", "ratio_kept", 0.5), ("rocking.Method2", "ratio_kept", "x"),
     ("rocking.Method2", "tangential_restitution", -1.1), ("rocking.Method2", "tangential_restitution", [0.0]),
     ("rocking.solve", "motion", 3.0), ("rocking.solve", "motion", "ramp"), ("rocking.solve_batch", "motions", "ramp"),
     ("rocking.solve_batch", "motions", 3.0), ("rocking.solve", "theta", 2.0), ("rocking.solve_batch", "theta", [2.0]),

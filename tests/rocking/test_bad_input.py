@@ -59,6 +59,9 @@ TABLE = [
     (m2(impact_law="two_corner", restitution=0.5), "restitution", 0.5),
     (m2(impact_law="two_corner", restitution=0.93, friction=0.1), "friction", 0.1),
     (m2(restitution=0.95), "restitution", 0.95),
+    *((m2(impact_law="two_corner", restitution=0.95, ratio_kept=v), "ratio_kept", v) for v in (-0.1, 1.1, NAN, INF)),
+    (m2(ratio_kept=0.5), "ratio_kept", 0.5),
+    (m2(impact_law="kinematic", ratio_kept=0.5), "ratio_kept", 0.5),
     # These two create energy, 1.27 and 1.99 times what there was at psi = 0.785 (own simulation).
     (m2(impact_law="kinematic", normal_restitution=0.9, tangential_restitution=0.0), "normal_restitution", 0.9),
     (m2(impact_law="kinematic", normal_restitution=0.6, tangential_restitution=-0.8), "tangential_restitution", -0.8),

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from studies.loop.names import page, readable
+from studies.loop.rivals import TWIN
 
 Content = dict[str, Any]
 
@@ -171,9 +172,15 @@ def reason(row: Content, content: Content, parts: Sequence[str]) -> str:
         why = str(row["not_refitted"])
         return f"not refitted: its {why} is too small" if why.startswith("score ") else f"not refitted: {why}"
     beside = {name.partition("[")[0] for name in row["beside"]}
-    if any(row["effect"] in names and not beside & set(names) for names in content["indistinguishable"]):
-        return "cannot be told apart from what was chosen"
     own = row["evidence"] or 0.0
+    forms = [r["evidence"] or 0.0 for r in same if r["effect"] == row["effect"]]
+    if row["effect"] in {form.partition("[")[0] for form in parts}:
+        if own >= NOTHING and max(forms) - own < TWIN:
+            return "cannot be told apart from the form that was chosen"
+    elif own == max(forms) and any(
+        row["effect"] in names and not beside & set(names) for names in content["indistinguishable"]
+    ):
+        return "cannot be told apart from what was chosen"
     if own < NOTHING:
         return "explains nothing"
     if content["verdict"] == "none":

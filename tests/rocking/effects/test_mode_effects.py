@@ -43,8 +43,14 @@ def test_sliding_and_bouncing_go_together_in_either_order(restitution: float | N
     # What bounces has no restitution of its own: that follows from the bounces.
     other = Method2(BLOCK, friction=0.5, normal_restitution=0.3)
     texts = ["sliding.friction=0.5", "bouncing.normal_restitution=0.3"]
-    for given in (texts, texts[::-1]):
-        same(given, Method1(BLOCK, restitution=restitution), other, theta=0.2)
+    for more in ([], ["sliding.ratio_kept=0.7"]):
+        for given in (texts + more, texts[::-1] + more):
+            same(given, Method1(BLOCK, restitution=restitution), other, theta=0.2)
+    # Without bounces the law is that of sliding alone; Housner's restitution is carried by it where none is given.
+    law: Any = {"impact_law": "two_corner", "restitution": restitution or BLOCK.housner_restitution, "ratio_kept": 0.7}
+    plastic = ["sliding.friction=0.5", "sliding.ratio_kept=0.7", "bouncing.normal_restitution=0.0"]
+    for given in (plastic[:2], plastic, plastic[::-1]):
+        same(given, Method1(BLOCK, restitution=restitution), Method2(BLOCK, friction=0.5, **law), theta=0.2)
 
 
 def test_gravity_rest_speed_and_restitution_go_along() -> None:

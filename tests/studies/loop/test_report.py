@@ -264,6 +264,9 @@ def test_reasons():
         {"effect": "quadratic_drag", "form": "quadratic_drag", "evidence": 80.0},
         {"effect": "sliding", "form": "sliding", "evidence": -3.0},
         {"effect": "tether", "form": "tether[left]", "evidence": None, "not_refitted": "score 1.2"},
+        {"effect": "eccentric_mass", "form": "eccentric_mass[other]", "evidence": 700.0},
+        {"effect": "base_tilt", "form": "base_tilt[alike]", "evidence": 989.0},
+        {"effect": "base_tilt", "form": "base_tilt[worse]", "evidence": 980.0},
     ]
     rows = [{**row, "beside": []} for row in rows]
     # What whole records refused is no measure for the others, however much it explains of swings.
@@ -286,6 +289,9 @@ def test_reasons():
         "explains 8 % of what the best one does",
         "explains nothing",
         "not refitted: its score 1.2 is too small",
+        "explains 70 % of what the best one does",
+        "cannot be told apart from the form that was chosen",
+        "comes near, but leaves 20 more than the best one",
         "whole records speak against it",
         "in the model after",
         "explains 40 % of what the best one does",

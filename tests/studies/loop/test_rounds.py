@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from studies.loop import closing, remaining, rounds, settling, tracing, whole_records
-from studies.loop.rivals import Rival, twins
+from studies.loop.rivals import Rival, other_forms, twins
 from studies.loop.settling import gain, where_told
 from studies.loop.tracing import Round, search
 from studies.loop.whole_records import explains_more
@@ -245,6 +245,38 @@ def test_what_whole_records_refused_is_no_twin():
     slide, lag = (Rival(trial(name, 0.0, 1.0), None, 99.0, 5000.0, 0.1, True) for name in ("slide", "lag"))
     assert twins((first, slide, lag)) == ()
     assert twins((first, slide, replace(lag, refused=False))) == (("tilt", "lag"),)
+
+
+def test_another_form_that_fits_as_well_is_said_and_one_that_fits_worse_is_not():
+    def of(name, criterion, refused=False):
+        parts = (SimpleNamespace(effect="tilt"), SimpleNamespace(effect=name.partition("[")[0]))
+        there = SimpleNamespace(names=("tilt", name), effects=tuple(p.effect for p in parts))
+        return Rival(there, None, criterion, 0.0, 0.1, refused)
+
+    first = of("slide", 100.0)
+    assert other_forms(()) == () == other_forms((first,))
+    found = (
+        first,
+        of("slide[ratio]", 111.0),
+        of("slide[far]", 113.0),
+        of("slide[refused]", 101.0, True),
+        of("lag", 101.0),
+    )
+    assert other_forms(found) == (("slide", "slide[ratio]"),)
+    [said] = closing._of_forms(found)
+    assert said.startswith("Slide or slide (ratio): these data do not tell which")
+
+
+def test_of_forms_tried_in_turn_one_hint_is_put_to_whole_records():
+    def hint(name, bic_of_swings, after=""):
+        part = SimpleNamespace(name=name, after=after, in_swings=True)
+        swing = SimpleNamespace(chi2=bic_of_swings, parameters=(), samples=10)
+        return SimpleNamespace(names=(name,), parts=(part,), swing=swing)
+
+    tried = [hint("slide", 50.0), hint("slide[ratio]", 40.0, "slide"), hint("lag[a]", 60.0), hint("lag[b]", 61.0)]
+    onto = SimpleNamespace(swing=SimpleNamespace(chi2=100.0, parameters=(), samples=10))
+    found = whole_records.hints(onto, SimpleNamespace(trials=tried))
+    assert [t.names[-1] for t in found] == ["slide[ratio]", "lag[a]", "lag[b]"]
 
 
 @pytest.mark.parametrize(("gained", "tried"), [(0.0, ["plain"]), (2.9, ["plain"]), (3.1, ["plain", "plain[other]"])])
