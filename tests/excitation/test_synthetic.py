@@ -66,6 +66,11 @@ def test_point_source_spectrum_has_the_limits_of_the_omega_square_model():
     assert source.spectrum(f) == pytest.approx(flat * np.array([1e-6, 0.5, 1.0]), rel=1e-5)
     lossy = ex.PointSource(6.0, 20e3, kappa=0.05, quality=1e12)
     assert lossy.spectrum(4.0) / source.spectrum(4.0) == pytest.approx(math.exp(-math.pi * 0.05 * 4.0), rel=1e-9)
+    # Anelastic attenuation over the path, exp(-pi f R / (Q beta)), for Q = 150 f^0.4.
+    along = ex.PointSource(6.0, 20e3, kappa=0.0, quality=150.0, quality_exponent=0.4, shear_velocity=3500.0)
+    source = ex.PointSource(6.0, 20e3, kappa=0.0, quality=1e12, shear_velocity=3500.0)
+    lost = math.pi * 4.0 * 20e3 / (150.0 * 4.0**0.4 * 3500.0)
+    assert along.spectrum(4.0) / source.spectrum(4.0) == pytest.approx(math.exp(-lost), rel=1e-8)
 
 
 def test_window_peaks_at_a_fifth_and_leaves_five_per_cent_at_its_end():

@@ -38,6 +38,22 @@ def test_an_upright_slide_that_halts_stays_if_static_friction_holds(
         assert q.slip == -side
 
 
+# Own derivation: the normal force of a slide lies within the base while mu_k <= b/h, the bound itself included.
+@pytest.mark.parametrize(("friction", "mode"), [(B / H, Mode.SLIDE), (B / H * (1.0 + 1e-12), Mode.SLIDE_ROTATION)])
+def test_a_block_slides_upright_up_to_a_friction_of_b_over_h(friction: float, mode: Mode) -> None:
+    system = Method2(BLOCK, friction=0.4, kinetic_friction=friction, g=G)
+    _, q = after(system, Mode.REST, "slip", (0.0,) * 6, Base(0.2 * G, 0.0))
+    assert q.mode == mode
+
+
+# The same for a block taller than 1 m, whose b/h is not to be taken for b h.
+@pytest.mark.parametrize(("share", "mode"), [(0.99, Mode.REST), (1.01, Mode.ROTATION)])
+def test_a_tall_block_that_halts_tips_beyond_wests_formula(share: float, mode: Mode) -> None:
+    system = Method2(Block(b=0.5, h=2.0), friction=0.9, kinetic_friction=0.2, g=G)
+    _, q = after(system, Mode.SLIDE, "stick", (0.0, 0.0, 0.0, 1e-17, 0.0, 0.0), Base(share * 0.25 * G, 0.0))
+    assert q.mode == mode
+
+
 # Moments about the corner: the block tips where |a_x| > (b/h)(g + a_z), with the vertical acceleration in it, and over
 # the corner that the floor drives under it.
 @SIDES

@@ -357,6 +357,17 @@ def test_stiff_corners_that_do_not_bounce_give_housners_restitution() -> None:
     assert after / before == pytest.approx(housner(BREADTH, HEIGHT), abs=0.004)
 
 
+def test_accelerometers_read_the_same_of_a_block_whose_contact_is_resolved() -> None:
+    """A foot that sticks: by the motion of the centre of mass, and by that of the edge."""
+    rough = replace(WORLD, friction=0.9)
+    stuck, rolling = slip.simulate(rough, AT_REST, STEP, 4, LEAN), event.simulate(WORLD, AT_REST, STEP, 4, LEAN)
+    for place in ((0.04, 0.5), (-0.1, 0.0), (0.0, 0.6)):
+        by_centre = point_acceleration(Lab(rough), stuck, AT_REST, place, every=4)
+        by_edge = point_acceleration(Lab(WORLD), rolling, AT_REST, place, every=4)
+        until = 50  # samples before the first impact, at which a sample may lie on either side
+        assert by_centre[:until] == pytest.approx(by_edge[:until], abs=1e-6)
+
+
 @pytest.mark.parametrize("world", [WORLD, replace(WORLD, radius=0.01, tilt=0.01)])
 def test_accelerometers_read_the_second_derivative_of_their_place(world) -> None:
     """Place of a point by plane geometry (a rolling disc), differentiated twice over the samples."""
