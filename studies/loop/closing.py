@@ -27,7 +27,7 @@ from studies.loop.rivals import Rival, near_all, other_forms, standing, twins
 from studies.loop.rounds import traced
 from studies.loop.scoring import Errors, errors, leaning, median
 from studies.loop.settling import Settled, intervals, settle, whole_fit
-from studies.loop.spread import floor, variances
+from studies.loop.spread import DRAWS, floor, variances
 from studies.loop.tracing import (
     PAYS,
     Round,
@@ -132,7 +132,8 @@ def close(
     windows = {"declared": setup.whole, "before": before.whole.windows, "after": after.whole.windows}
     all_errors = {name: errors(setup, model, windows[name]) for name, model in models.items()}
     scored = [scored_window(setup.records, w) for w in leaning(setup, after.whole.model, setup.whole_held)]
-    spread = variances(setup.noisy, len(campaign.tests), after.whole.model, scored, _lean_sds(setup, after.whole.model))
+    lean_sds = _lean_sds(setup, after.whole.model)
+    spread = variances(setup.noisy, len(campaign.tests), after.whole.model, scored, lean_sds, draws=DRAWS)
     floors = [floor(w, v) for w, v in zip(scored, spread, strict=True)]
     return Finding(
         setup, verdict, declared, models["before"], models["after"], before.whole, after.whole, chosen, rivals,

@@ -126,17 +126,16 @@ def robust_covariance(simulator: Simulator, noisy: Simulator, found: Fit) -> Arr
     matrix, _, each = reduced(lin, windows, weights)
     count = len(simulator.tests)
     draws = len(noisy.tests) // count
-    jobs = jobs_of(windows, 0)
-    for k in range(draws):
-        jobs += [replace(job, test=count * (k + 1) + job.test) for job in jobs_of(windows, 0)]
-    read = observe(Simulator.joined(simulator, noisy), [model], jobs, [*windows] * (draws + 1))
+    read = read_of(simulator, model, windows)
+    jobs = [replace(job, test=count * k + job.test) for k in range(draws) for job in jobs_of(windows, 0)]
+    again = observe(noisy, [model], jobs, [*windows] * draws)
     meat, n = np.zeros_like(matrix), len(windows)
     for i, (w, part, weight) in enumerate(zip(windows, each, weights, strict=True)):
         sensor = (w.noise * w.weights) ** 2
         own = part.A[: w.data.size]
         meat += weight**2 * (own.T * sensor) @ own
         for k in range(draws):
-            moved = np.nan_to_num((read[(k + 1) * n + i] - read[i]) * w.weights)
+            moved = np.nan_to_num((again[k * n + i] - read[i]) * w.weights)
             g = weight * (own.T @ moved)
             meat += np.outer(g, g) / draws
     records, beside = sorted({w.record for w in windows}), found.spread

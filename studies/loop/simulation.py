@@ -158,12 +158,6 @@ class Simulator:
         """A hash of the tests."""
         return digest_of(self.tests, self.numbers, self.factors)
 
-    @classmethod
-    def joined(cls, first: Simulator, second: Simulator) -> Simulator:
-        """Both sets of tests, those of the second after those of the first."""
-        numbers, factors = [*first.numbers, *second.numbers], [*first.factors, *second.factors]
-        return cls([*first.tests, *second.tests], numbers, factors=factors)
-
     @staticmethod
     def _recorded(test: Test) -> SampledMotion:
         found = base_motion(test)

@@ -251,7 +251,7 @@ class Shaking(Growing):
 def test_impacts_of_a_block_whose_foot_slips_are_those_of_the_package(
     friction: float, lean: float, impacts: int
 ) -> None:
-    """Slip in the swings and in the impacts; the laboratory sticks and slips from steps of its own on, one per swing.
+    """Slip in the swings and in the impacts.
 
     At little friction the foot slips at last so fast that a corner would have to pull for the laboratory's ratio of
     angular speeds, which is not the package's then.
@@ -260,11 +260,10 @@ def test_impacts_of_a_block_whose_foot_slips_are_those_of_the_package(
     floor_moves = floor(Shaking.kernel(np, TIME, Shaking.parameters)[0]) if forced else AT_REST
     theirs = solve(
         system, Shaking() if forced else None, t_end=END, theta=lean, effects=[load("sliding")(friction, 1.0)],
-        solver="scipy",
+        solver="scipy", rtol=1e-11, atol=1e-13,
     ).impact_times[:impacts]  # fmt: skip
     ours = slip.simulate(replace(WORLD, friction=friction), floor_moves, STEP, 4, lean).impacts[:impacts, 0]
-    assert ours == pytest.approx(theirs, abs=impacts * slip.STEP)
-    assert forced or ours[0] == pytest.approx(theirs[0], abs=1e-7)
+    assert ours == pytest.approx(theirs, abs=1e-9)
     stuck = event.simulate(WORLD, floor_moves, STEP, 4, lean).impacts[:impacts, 0]
     assert abs(ours - stuck).max() > (0.05 if impacts > 1 else 1e-4)
 
