@@ -2,11 +2,13 @@
 
 import importlib
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import dem
+from dem.assembly_stability import _all_touches
 
 G = 9.80665
 B, H, D, DENSITY = 0.15, 0.50, 0.25, 597.0
@@ -379,3 +381,12 @@ def test_an_assembly_that_does_not_stand_is_refused_by_name():
     tall = dem.Assembly((dem.block(0.1, 0.5, 0.2, DENSITY, tilt=0.4, name="leaning"),))
     with pytest.raises(ValueError, match=r"^leaning \(number 0\) does not come to rest"):
         dem.simulate_assembly(tall, t_end=0.1, contact=STEADY)
+
+
+@pytest.mark.parametrize(("share", "corners"), [(0.5, 2), (2.0, 0)])
+def test_corners_touch_the_floor_within_a_millionth_of_the_largest_body(share, corners):
+    """Of a small block, whose own size counts and not that of a metre."""
+    low = dem.single(0.04, 0.06, 0.02, DENSITY)
+    gap = share * 1e-6 * 0.5 * math.hypot(0.04, 0.06)
+    raised = replace(low, bodies=tuple(replace(body, z=body.z + gap) for body in low.bodies))
+    assert len(_all_touches(raised).first) == corners

@@ -117,3 +117,10 @@ def test_a_block_is_let_go_about_its_lowest_corner():
         turned = scene.shape.corners @ turn.T
         lowest = int(turned[:, 1].argmin())
         assert start.x[0] + turned[lowest, 0] == pytest.approx(scene.shape.corners[lowest, 0], abs=1e-12)
+
+
+@pytest.mark.parametrize("interval", [2e-3, 1e-2])
+def test_samples_are_about_the_interval_apart(interval):
+    """The nearest whole number of steps: half a step off at the most; the end comes when it comes."""
+    history = let_go(dem.single_block(0.3, 1.0, 0.5, 597.0), 0.1, t_end=0.1, damping=1e4, dt=1.5e-4, interval=interval)
+    assert np.diff(history.time)[:-1] == pytest.approx(interval, abs=0.75e-4)

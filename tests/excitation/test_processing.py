@@ -310,3 +310,11 @@ def test_trimmed_record_has_the_samples_of_the_span(quake):
 def test_bad_argument_is_named_with_its_value(quake, call, message):
     with pytest.raises(ValueError, match=message):
         call(quake)
+
+
+def test_a_share_that_stands_still_is_reached_when_it_was_reached():
+    """Two equal pulses with rest between them: half of the intensity is there as the first one ends, not later."""
+    pulse, rest = np.array([0.0, 1.0, 2.0, 1.0, 0.0]), np.zeros(40)
+    record = ex.Record(0.01, np.concatenate([rest, pulse, rest, pulse, rest]))
+    first_ends, second_ends = 0.01 * (40 + 4), 0.01 * (40 + 5 + 40 + 4)
+    assert significant_duration(record, 0.5, 1.0) == pytest.approx(second_ends - first_ends, abs=1e-9)

@@ -55,6 +55,13 @@ def test_departure_is_smooth_on_the_stated_period():
     assert np.max(np.abs(np.gradient(departure, t))) <= np.sum(np.abs(amplitudes)) * 2 * np.pi / period
 
 
+def test_departure_lasts_a_tenth_of_the_ramp_if_no_period_is_given():
+    usual, given = (
+        RampedSinusoid(2.0, 30.0, 5.0, imperfection=0.1, seed=4, imperfection_period=p) for p in (None, 3.0)
+    )
+    assert np.array_equal(usual.parameters, given.parameters)
+
+
 def test_same_seed_same_motion_other_seed_another():
     def motion(seed):
         return RampedSinusoid(2.0, 30.0, 5.0, imperfection=0.1, seed=seed)

@@ -132,3 +132,14 @@ def test_the_quiet_part_of_a_column_s_record_ends_before_west_s_level_for_its_wh
     assert begin == 0.0
     assert settings.motion(1.0).envelope(end / 0.8) == pytest.approx(G * 0.3 / 3.0)
     assert end < found["true_time"] < found["time"][-1]
+
+
+def test_a_distinct_element_leaves_the_floor_near_west_and_its_corner_then_rises():
+    """Springs give by m g/(2 kn) under the standing block: its corner leaves the floor a little after West's level, and
+    is 0.05 mm off it in this half cycle or the next."""
+    settings, block = OnsetSettings(duration=4.0), specimen(3)
+    found = onset(OnsetJob("dem", 3, 3.0, settings))
+    assert found["note"] == "rocks"
+    west = block.b / block.h * G
+    assert found["lift_acceleration"] == pytest.approx(west, rel=0.05)
+    assert found["lift_time"] < found["onset_time"] < found["lift_time"] + 1.0 / 3.0
