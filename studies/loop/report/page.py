@@ -230,6 +230,8 @@ def _nearest(finding: Finding, units: str) -> str:
     first, *others = finding.rivals
     second = next((r for r in others if not r.refused), others[0])
     name = next((readable(n).lower() for n in second.trial.names if n not in first.trial.names), "the other one")
+    if second.trial.effects == first.trial.effects:
+        name = f"{name} as another form of the same effect"
     by = second.criterion - first.criterion
     apart = f"{'better' if by < 0.0 else 'worse'} by {text.evidence(abs(by))}"
     held = text.amount(second.holdout if math.isfinite(second.holdout) else None, units)

@@ -316,11 +316,16 @@ def test_the_nearest_rival_is_named_by_what_it_has_instead(refused, criterion, s
     swing = SimpleNamespace(chi2=100.0, parameters=(), samples=10)
 
     def rival(names, criterion, whole, refused=False):
-        return Rival(SimpleNamespace(names=names, swing=swing), None, criterion, whole, 5e-4, refused)
+        effects = tuple(name.partition("[")[0] for name in names)
+        return Rival(SimpleNamespace(names=names, effects=effects, swing=swing), None, criterion, whole, 5e-4, refused)
 
     best = rival(("base_tilt", "quadratic_drag"), 100.0, 1000.0)
     finding = SimpleNamespace(rivals=(best, rival(("quadratic_drag", "eccentric_mass"), criterion, 9500.0, refused)))
     assert said in _nearest(finding, "rad")
+    forms = SimpleNamespace(rivals=(rival(("sliding[ratio]",), 100.0, 1000.0), rival(("sliding",), 151.0, 1100.0)))
+    assert _nearest(forms, "rad").startswith(
+        "The nearest rival, sliding as another form of the same effect, fits worse by 51 in chi-square;"
+    )
 
 
 def test_bins_hold_all_points_and_their_errors_are_of_weighted_means():
