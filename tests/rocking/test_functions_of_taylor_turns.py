@@ -13,7 +13,7 @@ from functions_of_taylor import interpreted as interpreted  # for every test of 
 
 from rocking.hybrid import REST, ROTATION
 from rocking.solvers.recording import FELL, MAX_STALLED, REACHED_END, STALL_TIME, STALLED, TOO_MANY_EVENTS
-from rocking.solvers.taylor import columns, turns
+from rocking.solvers.taylor import columns, turns, waits
 from rocking.solvers.taylor import table as row
 from rocking.solvers.taylor.vector import LANES
 
@@ -141,6 +141,14 @@ def test_a_block_over_a_sine_leaves_where_it_first_crosses() -> None:
                 assert tau == pytest.approx(at[over[0]], abs=2e-5)
                 rows_are(table, S=-math.copysign(1.0, a[over[0]]), SINE=math.sin(omega * tau + phase))
                 rows_are(table, COSINE=math.cos(omega * tau + phase))
+
+
+def test_the_crest_of_a_growing_sine_is_where_its_slope_is_zero() -> None:
+    """t |sin(omega t)| has the slope of sin a + (wt + a) cos a: to rounding, of any half cycle from the first on."""
+    for wt in np.linspace(-math.pi, 60.0, 400):
+        a = waits.crest(wt)
+        assert max(0.5 * math.pi, -wt) <= a <= math.pi
+        assert math.sin(a) + (wt + a) * math.cos(a) == pytest.approx(0.0, abs=1e-15 * (10.0 + wt))
 
 
 def test_events_are_counted_and_those_without_time_going_on() -> None:
