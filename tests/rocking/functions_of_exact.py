@@ -119,7 +119,7 @@ def fresh(plan: Any, body: Body = BODY, t_end: float = 99.0) -> Any:
     return step.new_tally(body, plan, 0.5, t_end)
 
 
-def fixed_of(wave: bool, **change: Any) -> Any:
+def fixed_of(wave: bool) -> Any:
     """Constants of two runs: a record of 40 samples from 0.25 s on, or a sine over 1.5 s."""
     pars = np.array([PAR, (16.0, 0.3, 9.7, 0.25, 0.7, 1e-4)])
     starts = np.array([[0.0, 1.0, 0.1, 0.0, 0.0, 1.0], [1.0, -1.0, 0.2, 0.3, 0.4, 1.3]])
@@ -137,7 +137,7 @@ def base_of(seed: int = 4) -> Any:
 
 
 class Followed:
-    """One block followed by sampling and bisection of its closed forms: samples every 5e-4 s, pieces by pieces."""
+    """One block followed by sampling and bisection of its closed forms: samples every 2e-3 s, piece by piece."""
 
     def __init__(self, body: Body, par: Any) -> None:
         self.body, self.par, self.t = body, par, 0.0
