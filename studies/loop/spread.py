@@ -27,8 +27,8 @@ Array = NDArray[np.float64]
 DRAWS = 32
 """As many as a covariance takes.
 
-The few records that say most often hang finely on the base, and of 4 draws standard deviations came out at a third to
-1.3 times those of 128.
+The few records that say most often hang finely on the base: of 4 draws standard deviations came out at 0.24 to 2.3
+times the spread of fits under other noises, of 32 at 0.72 to 1.7 times.
 """
 
 FEW = 4
