@@ -5,6 +5,7 @@ It shares no code with them, so agreement to the accuracy of both is evidence fo
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,8 @@ from scipy.integrate import quad, solve_ivp
 
 from rocking import Block, Method1, solve
 from rocking.effects import bouncing, load
-from studies.laboratory import contact, event, slip, table
+from studies.campaigns import Channel
+from studies.laboratory import contact, event, instruments, slip, table
 from studies.laboratory.effects import Lab
 from studies.laboratory.instruments import point_acceleration
 from studies.laboratory.parameters import G, housner, uniform
@@ -298,6 +300,35 @@ def test_a_block_whose_foot_slips_starts_from_its_lean_and_falls_back_alike_from
     assert 0.0 < right.rotation[50] < LEAN
 
 
+LITTLE = replace(WORLD, friction=0.2)
+
+
+def test_a_standing_block_slides_until_friction_has_stopped_it_and_again_when_the_push_exceeds_it() -> None:
+    """Slip V ends after V / (mu g) on a floor that rests; a_x = mu g - 0.01 + 100 t passes mu g at 0.1 ms."""
+    still = np.zeros((5, 4))
+    used, velocity, side = slip.stand(0.0, 0.001, still, 1e-4, LITTLE.vector())
+    assert used == pytest.approx(1e-4 / (0.2 * G), rel=1e-9) and (velocity, side) == (0.0, 0.0)
+    pushed = still.copy()
+    pushed[0, :2] = 0.2 * G - 0.01, 100.0
+    used, velocity, side = slip.stand(0.0, 0.001, pushed, 0.0, LITTLE.vector())
+    assert used == pytest.approx(1e-4, rel=1e-6) and (velocity, side) == (0.0, 0.0)
+
+
+def test_slip_that_stops_just_before_an_impact_stops_before_it() -> None:
+    """Slip of 0.1 mm/s against its deceleration by Newton's equations; the corner would land only after 0.15 ms."""
+    world, phi, speed, kappa = LITTLE, 1.5e-4, -1.0, -LITTLE.friction
+    D = -world.half_breadth * math.cos(phi) + world.centre_height * math.sin(phi)
+    Z = world.half_breadth * math.sin(phi) + world.centre_height * math.cos(phi)
+    # Turning about the centre, falling, and sliding: phi'', acceleration of the corner, normal force over mass.
+    newton = np.array([[world.inertia / world.mass, 0.0, -(D + kappa * Z)], [D, 0.0, 1.0], [Z, 1.0, kappa]])
+    turning, slipping, _ = np.linalg.solve(newton, [0.0, G - Z * speed**2, D * speed**2])
+    used, lean, _, velocity = slip.rock(0.0, 2e-4, np.zeros((5, 4)), 1.0, phi, speed, -1e-4, world.vector())
+    # Over 10 us the deceleration changes by 1e-4 of itself.
+    assert used == pytest.approx(1e-4 / slipping, rel=1e-3)
+    assert lean == pytest.approx(phi + speed * used + 0.5 * turning * used**2, rel=1e-6)
+    assert velocity == 0.0 and lean > 0.0
+
+
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_block_with_friction_leaves_the_floor_when_a_growing_push_passes_wests_acceleration(side: float) -> None:
     """a_x = 300 t passes b/h g at 10.9 ms; the step looks for it from 10.5 to 11.5 ms."""
@@ -315,6 +346,22 @@ def test_a_block_with_little_friction_slides_and_never_rocks() -> None:
     assert not response.rotation.any()
     assert response.centre is not None
     assert response.centre[1:, 0] == pytest.approx(-(4.0 - 0.2 * G), rel=1e-12)
+
+
+def test_an_accelerometer_that_is_mounted_askew_reads_along_its_own_axis(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Turned clockwise by an angle, what looked up leans toward +x, and what looked along +x leans down."""
+    angle, felt = 0.1, np.array([[2.0, 9.8]])
+    monkeypatch.setattr(instruments, "point_acceleration", lambda *_: felt)
+    monkeypatch.setattr(instruments, "felt_by_motion", lambda *_: np.zeros((1, 5, 4)))
+    plan, lab = SimpleNamespace(motion=None, rate=100.0, samples=1), SimpleNamespace(table=None)
+
+    def read(axis: tuple[float, float]) -> float:
+        channel = Channel("it", "block_acceleration", 0.0, (0.0, 0.3), axis)
+        [value] = instruments.reading(lab, plan, None, channel, instruments.Bench((channel,), {"it": angle}))
+        return float(value)
+
+    assert read((0.0, 1.0)) == pytest.approx(2.0 * math.sin(angle) + 9.8 * math.cos(angle), rel=1e-14)
+    assert read((1.0, 0.0)) == pytest.approx(2.0 * math.cos(angle) - 9.8 * math.sin(angle), rel=1e-14)
 
 
 SOFT = replace(WORLD, stiffness=2e6, damping=0.0, friction=0.9)
