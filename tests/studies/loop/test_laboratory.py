@@ -465,6 +465,40 @@ def test_accelerometers_read_the_second_derivative_of_their_place(world) -> None
     assert found[1:-1][calm] == pytest.approx(np.stack([along, up], axis=1)[calm], abs=2e-3)
 
 
+def test_accelerometers_on_a_pitching_floor_read_the_second_derivative_of_their_place() -> None:
+    """Euler, Coriolis and centripetal terms: the place seen from the ground, differentiated twice over the samples."""
+    t = STEP * np.arange(400)
+    theta, rate, acc = 0.1 + 0.05 * np.sin(9 * t), 0.45 * np.cos(9 * t), -4.05 * np.sin(9 * t)
+    beta, turning, twist = 0.03 * np.sin(14 * t), 0.42 * np.cos(14 * t), -5.88 * np.sin(14 * t)
+    still = np.zeros(t.size)
+    felt = table.pieces(STEP, still, still, (beta, turning, twist))
+    response = event.Response(t, theta, rate, acc, np.zeros((0, 3)), None)
+    x, z = 0.04, 0.5
+    found = point_acceleration(Lab(WORLD), response, felt, (x, z), every=1)
+    across = WORLD.half_breadth + (x - WORLD.half_breadth) * np.cos(theta) + z * np.sin(theta)
+    height = -(x - WORLD.half_breadth) * np.sin(theta) + z * np.cos(theta)
+    seen = np.stack([
+        across * np.cos(beta) + height * np.sin(beta), -across * np.sin(beta) + height * np.cos(beta)
+    ])  # fmt: skip
+    felt_there = (seen[:, 2:] - 2 * seen[:, 1:-1] + seen[:, :-2]) / STEP**2 + np.array([[0.0], [G]])
+    angle = (theta + beta)[1:-1]
+    along = felt_there[0] * np.cos(angle) - felt_there[1] * np.sin(angle)
+    up = felt_there[0] * np.sin(angle) + felt_there[1] * np.cos(angle)
+    # Differences of second order: 14^4 * 0.5 m * 0.03 / 12 of the step squared, 5e-5 m/s^2.
+    assert found[1:-1] == pytest.approx(np.stack([along, up], axis=1), abs=2e-4)
+
+
+@pytest.mark.parametrize("lean", [-0.2, 0.2])
+def test_a_block_that_friction_holds_falls_in_the_same_sample(lean: float) -> None:
+    """Pushed over to either side: the number of samples before it lies on its side, where its foot slips a little."""
+    pushed = floor(STILL - math.copysign(4.0, lean))
+    held = event.simulate(WORLD, pushed, STEP, 4, lean)
+    stuck = slip.simulate(replace(WORLD, friction=5.0), pushed, STEP, 4, lean)
+    assert held.fell is not None and stuck.fell == held.fell
+    leaning = int(np.argmax(np.abs(held.rotation) > 0.9))
+    assert stuck.rotation[:leaning] == pytest.approx(held.rotation[:leaning], abs=1e-8)
+
+
 def test_motions_are_the_derivatives_of_their_displacement() -> None:
     for motion in (table.ramp(RNG, 3.5, 4.0), table.quake(RNG, 4.0)):
         t = np.linspace(0.0, motion.end + 0.2, 4001)
