@@ -11,6 +11,7 @@ import time
 from typing import Any
 
 from dem import assembly_step
+from dem.compiled import called
 
 LOOK = 2e-4
 """Seconds between two looks whether the threads have ended; a chunk takes about a tenth of a second."""
@@ -26,7 +27,7 @@ def by_workers(workers: int, arguments: tuple[Any, ...]) -> int:
         KeyboardInterrupt: Ctrl-C; the chunk is ended, or was not begun.  A second one does not wait.
     """
     if workers == 1:
-        return assembly_step.advance_assembly(0, *arguments)
+        return int(called(assembly_step.advance_assembly, 0, *arguments))
     permit, endings, failed, ended = [1], list[int](), list[BaseException](), list[int]()
     gate = _thread.allocate_lock()
 

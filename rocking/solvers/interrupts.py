@@ -1,8 +1,12 @@
-"""Calls of compiled code that hand arrays or named tuples to Python: Ctrl-C is heard once they are handed over.
+"""Calls into numba that Ctrl-C must not come out of half way: it is heard once they are done.
 
-To make such an object numba calls Python, and there Ctrl-C that came while the compiled code ran is heard: for an array
-it comes out as SystemError in place of KeyboardInterrupt, for a named tuple the process dies (numba 0.68).  Compiled
-code that returns numbers, or fills arrays that it is given, needs none of this.
+Compiled code that hands arrays or named tuples to Python: to make such an object numba calls Python, and there Ctrl-C
+that came while the compiled code ran is heard: for an array it comes out as SystemError in place of KeyboardInterrupt,
+for a named tuple the process dies (numba 0.68).  Compiled code that returns numbers, or fills arrays that it is given,
+needs none of this.
+
+The compiler: LLVM calls Python back to keep what it compiled, and there one Ctrl-C in four is lost, or comes out as a
+RuntimeError (llvmlite 0.50).
 
 Source   none, own convention
 Status   interrupts at random times within such calls (tests)
@@ -21,32 +25,42 @@ from typing import Any
 getsignal, signal = _signal.getsignal, _signal.signal
 
 
-def handed_over(compiled: Callable[..., Any], *arguments: Any) -> Any:
-    """What `compiled(*arguments)` returns.
+def uninterrupted(call: Callable[..., Any], *arguments: Any) -> Any:
+    """What `call(*arguments)` returns.
 
     Raises:
-        KeyboardInterrupt: Ctrl-C came in the meantime; raised after the call.  A second one is heard at once, as while
-            the function is compiled.
+        KeyboardInterrupt: Ctrl-C came in the meantime; raised after the call.  A second one is heard at once.
     """
     # Asked by number: `current_thread` makes an entry that stays for a thread that `threading` did not start.
     if threading.get_ident() != threading.main_thread().ident:
-        return compiled(*arguments)
+        return call(*arguments)
     usual = getsignal(SIGINT)
     if not callable(usual):
-        return compiled(*arguments)
+        return call(*arguments)
     came: list[tuple[int, FrameType | None]] = []
+    lost: list[BaseException] = []  # what was raised within the call, until it has come out of it
 
     def note(number: int, frame: FrameType | None) -> None:
         came.append((number, frame))
-        if len(came) == 2:
-            usual(*came[0])
-        if len(came) > 1:
+        if len(came) == 1:
+            return
+        try:
+            if len(came) == 2:
+                usual(*came[0])
             usual(number, frame)
+        except BaseException as error:
+            lost.append(error)
+            raise
 
     signal(SIGINT, note)
     try:
-        return compiled(*arguments)
+        return call(*arguments)
+    except KeyboardInterrupt:
+        lost.clear()
+        raise
     finally:
         signal(SIGINT, usual)
         if len(came) == 1:
             usual(*came[0])
+        if lost:
+            raise lost[0]

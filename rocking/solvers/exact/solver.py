@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from rocking.hybrid import REST, ROTATION, Discrete, System
 from rocking.motion import BaseMotion
-from rocking.solvers.interrupts import handed_over
+from rocking.solvers.interrupts import uninterrupted
 from rocking.solvers.piecewise.motion import piecewise_linear, ramped_sine, refusal
 from rocking.solvers.recording import trajectory
 from rocking.solvers.taylor.batch import parameter_row
@@ -108,11 +108,11 @@ def _run(system: System, motion: BaseMotion, start: Array, save_at: Array, max_e
     while True:
         if record is not None:
             # A copy of the samples: the compiled code takes no array that is read-only.
-            tally, last_mode, log = handed_over(
+            tally, last_mode, log = uninterrupted(
                 entry("single_record"), par, record[0], np.array(record[1]), start, save_at, max_events, room
             )
         else:
-            tally, last_mode, log = handed_over(entry("single_sine"), par, wave, start, save_at, max_events, room)
+            tally, last_mode, log = uninterrupted(entry("single_sine"), par, wave, start, save_at, max_events, room)
         sums = named(tally)
         if sums.events <= room:
             return sums, last_mode, log

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rocking.hybrid import Discrete, System
 from rocking.motion import BaseMotion
-from rocking.solvers.interrupts import handed_over
+from rocking.solvers.interrupts import uninterrupted
 from rocking.solvers.numba.functions import compiled_parameters, motion_function, size_of, system_functions
 from rocking.solvers.recording import segment_edges, trajectory
 from rocking.trajectory import Events, Trajectory
@@ -59,7 +59,7 @@ class NumbaEvents:
         functions, loop = system_functions(
             system.flow, system.guards, system.jump, system.balance, kind, len(y0), size_of(par), n_guards
         )
-        status, t, last_mode, steps, peak, saved, table = handed_over(
+        status, t, last_mode, steps, peak, saved, table = uninterrupted(
             loop,
             *functions,
             motion_function(motion),

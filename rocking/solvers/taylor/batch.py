@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from rocking.hybrid import REST, ROTATION
 from rocking.solvers.devices import label
-from rocking.solvers.interrupts import handed_over
+from rocking.solvers.interrupts import uninterrupted
 from rocking.solvers.piecewise.motion import piecewise_linear, ramped_sine
 from rocking.solvers.taylor.columns import (
     COLUMNS,
@@ -59,7 +59,7 @@ def carry_portions(
     portion = max(64, min(PORTION, -(-count // (4 * threads))))
 
     def carry(first: int, stop: int) -> None:
-        handed_over(kernel, *part(first, stop), *(record or ()), max_events, rows[first:stop], np.empty(0), 0)
+        uninterrupted(kernel, *part(first, stop), *(record or ()), max_events, rows[first:stop], np.empty(0), 0)
 
     over_pieces(carry, [(first, min(first + portion, count)) for first in range(0, count, portion)], threads)
     return rows

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from rocking.hybrid import Discrete, System
 from rocking.motion import BaseMotion
-from rocking.solvers.interrupts import handed_over
+from rocking.solvers.interrupts import uninterrupted
 from rocking.solvers.piecewise.motion import piecewise_linear, ramped_sine, refusal
 from rocking.solvers.recording import trajectory
 from rocking.solvers.taylor.batch import parameter_row, run_batch, start_row
@@ -97,7 +97,7 @@ def _run(system: Any, motion: BaseMotion, start: Any, save_at: Any, max_events: 
     kernel = entry(f"{system.form}_{'record' if wave is None else 'wave'}")
     room = FIRST_ROOM
     while True:
-        sums, log = handed_over(kernel, par, start, *moves, max_events, rows, save_at, room)
+        sums, log = uninterrupted(kernel, par, start, *moves, max_events, rows, save_at, room)
         if sums[3] <= room:
             return sums, log, float(rows[0, LARGEST])
         room = int(sums[3])
