@@ -450,11 +450,11 @@ def test_noise_alone_leaves_by_chance_what_its_distribution_says():
 @pytest.fixture
 def ways(monkeypatch):
     """A search in which floors are put off at first, and each case says what is accepted and what that leaves."""
-    told = SimpleNamespace(chance=True, explains=True, rounds=[], accepted={}, put_off=("floor",), whole=1.4)
+    told = SimpleNamespace(chance=True, explains=True, rounds=[], accepted={}, put_off=("floor",), whole=1.4, trials={})
 
     def one_round(setup, onto, whole, pool, tell, known, later):
         told.rounds.append((onto.names, later, known is not None))
-        tried = known or Round(onto, put_off=told.put_off)
+        tried = known or Round(onto, list(told.trials.get(onto.names, ())), put_off=told.put_off)
         tried.put_off = told.put_off if later else ()
         nxt = told.accepted.get((onto.names, later))
         return tried, nxt and (nxt, SimpleNamespace(rms=told.whole)), ()
@@ -467,10 +467,11 @@ def ways(monkeypatch):
     return told
 
 
-def path_of(*names, costly=False):
+def path_of(*names, costly=False, chi2=None):
     parts = tuple(SimpleNamespace(name=n, slips=n == "slide", in_swings=n != "adhesion") for n in names)
-    swing = SimpleNamespace(model=None, rms=1.5, chi2=10.0 * len(names))
-    return SimpleNamespace(names=names, parts=parts, swing=swing, costly=costly)
+    chi2 = 10.0 * len(names) if chi2 is None else chi2
+    swing = SimpleNamespace(model=None, rms=1.5, chi2=chi2, parameters=(), samples=1000)
+    return SimpleNamespace(names=names, effects=names, parts=parts, swing=swing, costly=costly)
 
 
 def searched():
@@ -558,6 +559,73 @@ def test_a_round_that_is_known_is_not_searched_again(stubs):
     found, accepted, _ = rounds._round(setup, known.onto, whole(30.0, 40.0), (), quiet, known)
     assert found is known and stubs.explained is None  # `search` was not asked
     assert stubs.tried == ["floor"] and accepted[0] is FLOOR
+
+
+@pytest.fixture
+def stand_in(ways, monkeypatch):
+    """The effect `both` explains by itself most of what `a` and `b` do together, and nothing is left to add to it."""
+    both, a, b, other, little = (
+        path_of(name, chi2=chi2)
+        for name, chi2 in (("both", 1000.0), ("a", 1200.0), ("b", 3000.0), ("other", 4000.0), ("little", 8000.0))
+    )
+    form = path_of("a", chi2=1300.0)
+    form.names = ("a[form]",)
+    ways.pair = path_of("a", "b", chi2=500.0)
+    ways.plain = path_of(chi2=10000.0)
+    ways.trials = {(): [little, other, b, form, a, both]}
+    ways.accepted = {((), True): both, (("a",), True): ways.pair}
+    ways.put_off = ()
+    ways.refused = False
+    monkeypatch.setattr(rounds, "by_chance", lambda setup, trial: len(trial.names) == 2)
+    monkeypatch.setattr(rounds, "explains", lambda setup, trial, whole: trial is ways.pair)
+    monkeypatch.setattr(rounds, "explains_more", lambda setup, one, other: ways.refused)
+    ways.searched = lambda: rounds.traced(SimpleNamespace(by_rotation=True), ways.plain, lambda text: None)
+    return ways
+
+
+def test_where_something_is_left_the_search_goes_back_to_what_came_near_the_first(stand_in):
+    found = stand_in.searched()
+    assert [t.names for t in found.trials] == [(), ("a",), ("a", "b")]
+    # What is left nothing of ends the search: `b` is not gone on from; of two forms the better one is.
+    assert [onto for onto, *_ in stand_in.rounds] == [(), ("both",), ("a",), ("a", "b")]
+    # The rounds of the path that is taken come first, one for each effect, and none is lost.
+    assert [r.onto.names for r in found.rounds] == [(), ("a",), ("a", "b"), ("both",)]
+
+
+@pytest.mark.parametrize("why", ["too little", "whole records"])
+def test_the_search_stays_where_going_back_serves_no_better(stand_in, why):
+    if why == "whole records":
+        stand_in.refused = True
+    else:
+        stand_in.pair.swing.chi2 = 950.0  # by less than `PAYS`
+    found = stand_in.searched()
+    assert [t.names for t in found.trials] == [(), ("both",)]
+    # Two that came near it, by half of what it explains or more.
+    assert [r.onto.names for r in found.rounds] == [(), ("both",), ("a",), ("a", "b"), ("b",)]
+
+
+def test_the_search_does_not_go_back_where_nothing_is_left_or_nothing_was_found(stand_in):
+    stand_in.trials[()][-1].swing.chi2 = 1000.0
+    both = stand_in.accepted[(), True]
+    for accepted, left in (({((), True): both}, [(), ("both",)]), ({}, [()])):
+        stand_in.accepted, stand_in.pair, stand_in.rounds = accepted, both, []
+        stand_in.searched()
+        assert [onto for onto, *_ in stand_in.rounds] == left
+
+
+@pytest.mark.parametrize("floor", [100.0, 499.0])
+def test_floors_have_to_serve_better_than_what_going_back_found(stand_in, monkeypatch, floor):
+    """What they do beside the greedy path is no reason to lose the other one."""
+    monkeypatch.setattr(rounds, "explains", lambda setup, trial, whole: False)
+    monkeypatch.setattr(rounds, "by_chance", lambda setup, trial: False)
+    stand_in.put_off = ("floor",)
+    first = stand_in.trials[()][-1]
+    stand_in.accepted |= {((), False): first, (("both",), False): path_of("both", "floor", costly=True, chi2=floor)}
+    found = stand_in.searched()
+    names = ("both", "floor") if floor < 440.0 else ("a", "b")
+    assert [t.names for t in found.trials] == [(), names[:1], names]
+    assert [r.onto.names for r in found.rounds][:2] == [(), names[:1]]
+    assert not found.rounds[0].put_off  # the floors that were tried in it are told
 
 
 @pytest.mark.parametrize(("fits", "carries"), [((0.0011, 0.0026), False), ((0.0048, 0.0012), True)])
