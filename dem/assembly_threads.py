@@ -7,14 +7,10 @@ Status   Ctrl-C while threads begin, work and end is heard after the chunk of st
 from __future__ import annotations
 
 import _thread
-import time
 from typing import Any
 
 from dem import assembly_step
-from dem.compiled import called
-
-LOOK = 2e-4
-"""Seconds between two looks whether the threads have ended; a chunk takes about a tenth of a second."""
+from dem.interrupts import uninterrupted, waited_for
 
 
 def by_workers(workers: int, arguments: tuple[Any, ...]) -> int:
@@ -27,8 +23,8 @@ def by_workers(workers: int, arguments: tuple[Any, ...]) -> int:
         KeyboardInterrupt: Ctrl-C; the chunk is ended, or was not begun.  A second one does not wait.
     """
     if workers == 1:
-        return int(called(assembly_step.advance_assembly, 0, *arguments))
-    permit, endings, failed, ended = [1], list[int](), list[BaseException](), list[int]()
+        return int(uninterrupted(assembly_step.advance_assembly, 0, *arguments))
+    endings, failed, ended = list[int](), list[BaseException](), list[int]()
     gate = _thread.allocate_lock()
 
     def work(worker: int) -> None:
@@ -45,10 +41,6 @@ def by_workers(workers: int, arguments: tuple[Any, ...]) -> int:
             ended.append(worker)
 
     def begin() -> None:
-        try:
-            permit.pop()
-        except IndexError:  # interrupted before
-            return
         with gate:
             for worker in range(1, workers):
                 try:
@@ -58,19 +50,7 @@ def by_workers(workers: int, arguments: tuple[Any, ...]) -> int:
                     ended.append(worker)
         work(0)
 
-    def wait() -> None:
-        while len(ended) < workers:
-            time.sleep(LOOK)
-
-    try:
-        _thread.start_new_thread(begin, ())
-        wait()
-    except BaseException:
-        try:
-            permit.pop()
-        except IndexError:
-            wait()
-        raise
+    waited_for(begin, lambda: len(ended) == workers)
     if failed:
         raise failed[0]
     return endings[0]

@@ -1,24 +1,18 @@
 """Machine code of the loops over steps, kept on disk and never older than its source.
 
 Source  none, own convention; numba by itself does not see an edit of a function in another file that a kernel calls
-Status  a second process hits the cache, an edit anywhere in the package replaces it, Ctrl-C while a kernel is compiled
-        is heard (tests)
+Status  a second process hits the cache, an edit anywhere in the package replaces it (tests)
 """
 
 from __future__ import annotations
 
-import _thread
 import hashlib
-import time
 import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numba
-
-LOOK = 1e-3
-"""Seconds between two looks whether a kernel has been compiled."""
 
 NOT_KEPT = (
     "compiled code is not kept, and compiled again in every process: neither the package's folder nor one of the user "
@@ -41,49 +35,6 @@ def compiled(function: Callable[..., Any], **options: Any) -> Any:
     if hasattr(kernel, "stats"):  # not where numba's compiler is switched off
         _drop_stale(Path(str(kernel.stats.cache_path)), f"{module}.{name}_", function.__qualname__)
     return kernel
-
-
-def called(kernel: Any, *arguments: Any) -> Any:
-    """What `kernel(*arguments)` returns; the first call of a kernel, which compiles it, is made in another thread.
-
-    LLVM calls Python back to keep what it compiled.  What Ctrl-C raises there in the main thread is lost
-    (llvmlite 0.50).
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C; the first call is ended.  A second one does not wait.
-    """
-    if getattr(kernel, "signatures", True):  # a plain function where numba's compiler is switched off
-        return kernel(*arguments)
-    permit, returned, failed, ended = [1], list[Any](), list[BaseException](), list[int]()
-
-    def work() -> None:
-        try:
-            permit.pop()
-        except IndexError:  # interrupted before
-            return
-        try:
-            returned.append(kernel(*arguments))
-        except BaseException as error:
-            failed.append(error)
-        finally:
-            ended.append(1)
-
-    def wait() -> None:
-        while not ended:
-            time.sleep(LOOK)
-
-    try:
-        _thread.start_new_thread(work, ())
-        wait()
-    except BaseException:
-        try:
-            permit.pop()
-        except IndexError:
-            wait()
-        raise
-    if failed:
-        raise failed[0]
-    return returned[0]
 
 
 def _kept_if_possible(function: Callable[..., Any], options: dict[str, Any]) -> Any:

@@ -40,9 +40,7 @@ def column(
     _at_least("count", count, 1)
     for label, value in (("b", b), ("h", h)):
         checks.positive(label, value, "m")
-    names = (
-        _named(count, "block", "lower", "upper") if count == 2 else _named(count, "block", "lower", "upper", "middle")
-    )
+    names = _named(count, "block", "lower", "upper", "middle")
     blocks = tuple(block(b, h, d, density, z=i * h, name=name) for i, name in enumerate(names))
     if wall_gap is None:
         return Assembly(blocks, title=f"column of {count}")
@@ -52,7 +50,7 @@ def column(
     return Assembly(blocks, (upright,), title=f"column of {count} next to a wall")
 
 
-def _named(count: int, one: str, lowest: str, highest: str, between: str = "") -> list[str]:
+def _named(count: int, one: str, lowest: str, highest: str, between: str) -> list[str]:
     """Names from below."""
     if count == 1:
         return [one]

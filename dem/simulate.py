@@ -15,6 +15,7 @@ import numpy as np
 
 from dem import checks
 from dem.history import OMEGA_STILL, SPEED_AT_REST, Energies, History, Mode, Outcome
+from dem.interrupts import uninterrupted
 from dem.scenes import Scene
 from dem.shapes import FloatArray
 from dem.stability import critical_step
@@ -138,15 +139,13 @@ class _Run:
 
     def through(self, motion: Motion | None, progress: Callable[[float], object] | None) -> History:
         """All chunks, one after the other."""
-        from dem.compiled import called
-
         step = self.step
         for a_x, a_z in self._base(motion):
             # Forces of the base cannot add more speed than the time integral of its acceleration.
             self.speed += self.dt * float(np.abs(a_x).sum() + np.abs(a_z).sum())
             limit = HEADROOM * self.speed
             clock = step.Clock(self.dt, self.last_step, self.save_every, limit, OMEGA_STILL)
-            ending = called(
+            ending = uninterrupted(
                 step.advance, a_x, a_z, self.body, self.law, clock, self.corners, self.kept, self.state, self.counts,
                 self.seconds, self.at_crossing, self.rows,
             )  # fmt: skip

@@ -83,5 +83,6 @@ def _pair(
         if not np.isfinite(array).all():
             first = int(np.argmin(np.isfinite(array)))
             raise ValueError(f"motion gave {name}={array[first]} {unit} at t={times[first]:.6g} s: want finite numbers")
-        checked.append(np.ascontiguousarray(array))
+        # Arrays that cannot be written to are of another type to the compiled loops, which would be compiled again.
+        checked.append(np.require(array, requirements=["C", "W"]))
     return checked[0], checked[1]

@@ -29,7 +29,8 @@ def uninterrupted(call: Callable[..., Any], *arguments: Any) -> Any:
     """What `call(*arguments)` returns.
 
     Raises:
-        KeyboardInterrupt: Ctrl-C came in the meantime; raised after the call.  A second one is heard at once.
+        KeyboardInterrupt: Ctrl-C came in the meantime; raised after the call.  A second one is heard at once,
+            or after the call too where LLVM drops it.
     """
     # Asked by number: `current_thread` makes an entry that stays for a thread that `threading` did not start.
     if threading.get_ident() != threading.main_thread().ident:

@@ -24,8 +24,8 @@ from studies.loop.preparing import Setup, prepare
 from studies.loop.remaining import MISSED_BY_FAR, by_chance, missed, over_noise, slips, structure, unexplained
 from studies.loop.revising import Revision, revised
 from studies.loop.rivals import Rival, near_all, other_forms, standing, twins
-from studies.loop.rounds import traced
 from studies.loop.scoring import Errors, errors, leaning, median
+from studies.loop.searching import traced
 from studies.loop.settling import Settled, intervals, settle, whole_fit
 from studies.loop.spread import DRAWS, floor, variances
 from studies.loop.tracing import (
@@ -138,8 +138,8 @@ def close(
     return Finding(
         setup, verdict, declared, models["before"], models["after"], before.whole, after.whole, chosen, rivals,
         twins(rivals, named.trial), tuple(rounds), named.rounds or tuple(rounds[:1]), all_errors, median(floors),
-        intervals(chosen, after), (*setup.notes, *named.said, *said, *_of_forms(rivals), *unlearned, *_unseen(setup)),
-        after,
+        intervals(chosen, after),
+        (*setup.notes, *path.said, *named.said, *said, *_of_forms(rivals), *unlearned, *_unseen(setup)), after,
     )  # fmt: skip
 
 

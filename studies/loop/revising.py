@@ -147,7 +147,7 @@ def _exchanged(setup: Setup, stands: Revision, known: set[frozenset[str]]) -> tu
             better = Revision(t, whole, ())
             break
         refused.add(frozenset(t.names))
-    return replace(stands, rounds=tuple(_set_aside(tried, refused) for tried in stands.rounds)), better
+    return replace(stands, rounds=tuple(set_aside(tried, refused) for tried in stands.rounds)), better
 
 
 def _refused(setup: Setup, stands: Revision, whole: Fit) -> bool:
@@ -155,7 +155,7 @@ def _refused(setup: Setup, stands: Revision, whole: Fit) -> bool:
     return setup.by_rotation and explains_more(setup, stands.whole, whole)
 
 
-def _set_aside(tried: Round, refused: set[frozenset[str]]) -> Round:
+def set_aside(tried: Round, refused: set[frozenset[str]]) -> Round:
     """The round with these trials among those that were refused."""
     gone = tuple(t for t in tried.trials if frozenset(t.names) in refused)
     left = [t for t in tried.trials if frozenset(t.names) not in refused]

@@ -217,6 +217,13 @@ SCENES = {
 }
 
 
+def test_blocks_of_a_column_are_named_from_below():
+    names = {count: dem.column(count, B, H, D, DENSITY).names for count in (1, 2, 3, 4)}
+    assert names[1] == ("block",) and names[2] == ("lower block", "upper block")
+    assert names[3] == ("lower block", "middle block", "upper block")
+    assert names[4] == ("lower block", "middle 1 block", "middle 2 block", "upper block")
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_a_contact_is_never_missed_lists_with_a_skin_give_the_bits_of_lists_made_at_every_step(name):
     scene, amplitude = SCENES[name]

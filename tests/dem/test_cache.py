@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import dem
@@ -75,3 +76,19 @@ def test_second_process_hits_the_cache_and_an_edit_elsewhere_replaces_it(package
     assert edited[2] != first[2]
     assert len(edited[3]) == len(first[3]) == 2
     assert not set(edited[3]) & set(first[3])
+
+
+def test_motions_of_arrays_that_cannot_be_written_to_are_not_compiled_for_anew():
+    from dem.step import advance
+
+    def run(writable):
+        def motion(t):
+            zeros = np.zeros_like(t)
+            zeros.setflags(write=writable)
+            return zeros, zeros
+
+        block = dem.single_block(0.15, 0.5, 0.25, 597.0)
+        return dem.simulate(block, motion, t_end=0.01, dt=1e-5, mu=0.5, damping_ratio=0.1, theta0=0.1).theta[-1]
+
+    assert run(True) == run(False)
+    assert len(advance.signatures) == 1

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import excitation as ex
-from rocking import Block, Method1
+from excitation import PiecewiseLinear
+from rocking import Block, Method1, solve
 from rocking.closed_forms import full_sine_pulse
 from rocking.pulse_overturning import one_impact_band
 from studies import will_it_fall as command
@@ -91,6 +92,22 @@ def test_a_record_scaled_by_its_own_margin_is_at_the_margin(record_file):
     assert stronger.runs_that_fall > 0
     assert stronger.falls_first_at == pytest.approx(1.0, abs=0.001)
     assert weaker.falls == "no" and weaker.largest_tilt < 1.0
+
+
+def test_the_largest_tilt_is_that_of_another_solver_over_the_angle_of_balance(record_file):
+    (record,) = ex.read(record_file)
+    weak = ex.scaled(record, 1.6)
+    found = command.answer(BLOCK, weak)
+    tilts = [
+        np.max(np.abs(solve(
+            Method1(BLOCK, restitution=e), PiecewiseLinear(weak.time_step, sign * weak.acceleration), t_end=25.0,
+            solver="scipy", save_at=np.linspace(0.0, 25.0, 25001),
+        ).theta))
+        for e in command.restitutions(BLOCK, None) for sign in (1.0, -1.0)
+    ]  # fmt: skip
+    assert 0.05 < found.largest_tilt < 0.95
+    # The angle of balance is alpha; a sample each millisecond misses a peak by less than 1e-6 of it.
+    assert found.largest_tilt == pytest.approx(max(tilts) / math.atan(0.25), rel=1e-4)
 
 
 def test_the_answer_in_words_and_as_json_says_the_same(record_file, capsys):

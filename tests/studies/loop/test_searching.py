@@ -1,0 +1,339 @@
+"""Where the search goes: to floors last of all, and back where something is left; rounds and fits are stubs."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from studies.loop import rounds, searching
+from studies.loop.tracing import Round
+
+
+@pytest.fixture
+def ways(monkeypatch):
+    """A search in which floors are put off at first, and each case says what is accepted and what that leaves."""
+    told = SimpleNamespace(
+        chance=True, explains=True, rounds=[], accepted={}, put_off=(SimpleNamespace(name="floor"),), whole=1.4,
+        trials={}, declared=True,
+    )  # fmt: skip
+
+    def one_round(setup, onto, whole, pool, tell, known, later):
+        told.rounds.append((onto.names, later, known is not None))
+        tried = known or Round(onto, list(told.trials.get(onto.names, ())), put_off=told.put_off)
+        tried.put_off = told.put_off if later else ()
+        nxt = told.accepted.get((onto.names, later))
+        if nxt is not None and all(t is not nxt for t in tried.trials):
+            tried.trials.append(nxt)
+        return tried, nxt and (nxt, SimpleNamespace(rms=told.whole, of=nxt.names)), ()
+
+    monkeypatch.setattr(rounds, "_round", one_round)
+    monkeypatch.setattr(searching, "all_candidates", lambda model: ())
+    monkeypatch.setattr(searching, "whole_fit", lambda setup, trial: SimpleNamespace(rms=told.whole, of=trial.names))
+    monkeypatch.setattr(searching, "explains_more", lambda setup, one, other: False)
+    monkeypatch.setattr(searching, "declared_noise", lambda setup: told.declared)
+    for module in (rounds, searching):
+        monkeypatch.setattr(module, "by_chance", lambda setup, trial: told.chance)
+        monkeypatch.setattr(module, "explains", lambda setup, trial, whole: told.explains)
+    return told
+
+
+def path_of(*names, costly=False, chi2=None):
+    parts = tuple(SimpleNamespace(name=n, slips=n == "slide", in_swings=n != "adhesion") for n in names)
+    chi2 = 10.0 * len(names) if chi2 is None else chi2
+    swing = SimpleNamespace(model=None, rms=1.5, chi2=chi2, parameters=(), samples=1000)
+    return SimpleNamespace(names=names, effects=names, parts=parts, swing=swing, costly=costly)
+
+
+def searched():
+    return searching.traced(SimpleNamespace(by_rotation=True), path_of(), lambda text: None)
+
+
+def test_floors_are_not_tried_where_two_effects_leave_nothing(ways):
+    ways.accepted = {((), True): path_of("a"), (("a",), True): (both := path_of("a", "b"))}
+    both.swing.rms = 1.0
+    assert [t.names for t in searched().trials] == [(), ("a",), ("a", "b")]
+    assert ways.rounds == [((), True, False), (("a",), True, False)]
+
+
+@pytest.mark.parametrize("chance, explains", [(False, True), (True, False)])
+def test_floors_are_tried_in_the_same_rounds_where_two_effects_leave_something(ways, chance, explains):
+    ways.chance, ways.explains = chance, explains
+    first, floor = path_of("a"), path_of("floor", costly=True)
+    ways.accepted = {((), True): first, (("a",), True): path_of("a", "b"), ((), False): floor}
+    found = searched()
+    # A floor in the first round: what came after the other effect there is not asked again.
+    assert [t.names for t in found.trials] == [(), ("floor",)]
+    again = [entry for entry in ways.rounds if not entry[1]]
+    assert again[0] == ((), False, True)
+    # Two effects have to be enough at first.
+    assert ((("a", "b")), True, False) not in ways.rounds or chance
+
+
+def test_floors_come_on_top_of_the_same_effect_where_that_stays(ways):
+    ways.chance = ways.explains = False
+    first = path_of("a")
+    ways.accepted = {((), True): first, ((), False): first, (("a",), False): path_of("a", "floor", costly=True)}
+    assert [t.names for t in searched().trials] == [(), ("a",), ("a", "floor")]
+    assert [entry for entry in ways.rounds if not entry[1]][:2] == [((), False, True), (("a",), False, True)]
+
+
+def test_one_effect_that_leaves_nothing_needs_no_floor(ways):
+    # Nor does the clean block; a sum of squares that is a little large by chance does not ask for one.
+    ways.chance = False
+    ways.accepted = {((), True): path_of("a")}
+    assert [t.names for t in searched().trials] == [(), ("a",)] and all(later for _, later, _ in ways.rounds)
+    ways.explains = False
+    ways.put_off = ()
+    searched()
+    assert all(later for _, later, _ in ways.rounds)
+
+
+def test_one_effect_that_slips_puts_no_floor_off(ways):
+    """What it leaves is a median over the windows."""
+    ways.chance = False
+    ways.accepted = {((), True): path_of("slide"), ((), False): path_of("floor", costly=True)}
+    assert [t.names for t in searched().trials] == [(), ("floor",)]
+    ways.whole = 1.2  # whole records are explained
+    assert [t.names for t in searched().trials] == [(), ("slide",)]
+
+
+def test_rounds_are_gone_on_with_where_whole_records_made_the_trial_anew(ways, monkeypatch):
+    """As the same effects, fitted alike; what they brought in besides is left to them again."""
+    ways.explains = False
+    ways.accepted = {((), True): path_of("a"), ((), False): path_of("a"), (("a",), True): path_of("a", "adhesion")}
+    begun = []
+    one_round = rounds._round
+
+    def noted(setup, onto, whole, pool, tell, known, later):
+        begun.append(known and [t.names for t in known.trials])
+        return one_round(setup, onto, whole, pool, tell, known, later)
+
+    monkeypatch.setattr(rounds, "_round", noted)
+    searched()
+    assert ways.rounds[-2:] == [((), False, True), (("a",), False, True)]
+    assert begun[-2:] == [[("a",)], []]
+
+
+@pytest.fixture
+def stand_in(ways, monkeypatch):
+    """The effect `both` explains by itself most of what `a` and `b` do together, and nothing is left to add to it.
+
+    Before any effect chi-square is 10,000.  `a` and `b` came near `both`, by more than half of what that explains;
+    `half` did not, `slow` takes long, and a second form of `a` is worse than the first.
+    """
+    sizes = {"both": 1000.0, "a": 1200.0, "b": 3000.0, "half": 5600.0}
+    first = {name: path_of(name, chi2=chi2) for name, chi2 in sizes.items()}
+    form = path_of("a", chi2=1300.0)
+    form.names = ("a[form]",)
+    ways.pair = path_of("a", "b", chi2=500.0)
+    ways.plain, ways.first = path_of(chi2=10000.0), first
+    ways.trials = {(): [form, path_of("slow", chi2=1100.0, costly=True), *reversed(first.values())]}
+    ways.accepted = {((), True): first["both"], (("a",), True): ways.pair}
+    ways.put_off, ways.by_rotation, ways.enough = (), True, ways.pair
+    ways.whole_prefers, ways.whole = None, 1.0
+    monkeypatch.setattr(rounds, "by_chance", lambda setup, trial: len(trial.names) == 2)
+    monkeypatch.setattr(searching, "by_chance", lambda setup, trial: trial is ways.enough)
+    for module in (rounds, searching):
+        monkeypatch.setattr(module, "explains", lambda setup, trial, whole: trial is ways.enough)
+    monkeypatch.setattr(searching, "explains_more", lambda setup, one, other: one.of == ways.whole_prefers)
+
+    def search():
+        ways.rounds.clear()
+        return searching.traced(SimpleNamespace(by_rotation=ways.by_rotation), ways.plain, lambda text: None)
+
+    ways.searched = search
+    return ways
+
+
+def ontos(found):
+    return [r.onto.names for r in found.rounds]
+
+
+def test_where_something_is_left_the_search_goes_back_to_what_came_near_the_first(stand_in):
+    found = stand_in.searched()
+    assert [t.names for t in found.trials] == [(), ("a",), ("a", "b")]
+    assert [fit.of for fit in found.fits] == [t.names for t in found.trials]
+    # What leaves nothing ends the search: `b` is not gone on from.
+    assert [onto for onto, *_ in stand_in.rounds] == [(), ("both",), ("a",), ("a", "b")]
+    # The rounds of the path that is taken come first, one for each effect, and none is lost.
+    assert ontos(found) == [(), ("a",), ("a", "b"), ("both",)]
+    assert found.said == ("Both explains most by itself, A with B explain more together",)
+
+
+@pytest.mark.parametrize(
+    ("change", "back"),
+    [
+        pytest.param({}, False, id="nothing left"),
+        pytest.param({"by_chance": False}, True, id="more than by chance, and less than structure"),
+        pytest.param({"whole": 1.4}, True, id="whole records missed"),
+        pytest.param({"whole": 1.4, "by_rotation": False}, False, id="those of accelerometers"),
+        # Less is known of what is left: what would be structure counts, and records that are missed by far.
+        pytest.param({"by_chance": False, "whole": 1.4, "declared": False}, False, id="estimated noise"),
+        pytest.param({"by_chance": False, "whole": 1.4, "slips": True}, False, id="slip"),
+        pytest.param({"declared": False, "structure": True}, True, id="estimated noise and structure"),
+        pytest.param({"slips": True, "structure": True}, True, id="slip and structure"),
+    ],
+)
+def test_little_is_enough_to_go_back(stand_in, monkeypatch, change, back):
+    """What stands in for two effects leaves little of them."""
+    both = stand_in.first["both"]
+    monkeypatch.setattr(searching, "by_chance", lambda setup, trial: change.get("by_chance", True))
+    for module in (rounds, searching):
+        monkeypatch.setattr(module, "explains", lambda setup, trial, whole: not change.get("structure", False))
+    stand_in.whole, stand_in.declared = change.get("whole", 1.0), change.get("declared", True)
+    stand_in.by_rotation = change.get("by_rotation", True)
+    both.parts[0].slips = change.get("slips", False)
+    stand_in.searched()
+    assert (("a",) in [onto for onto, *_ in stand_in.rounds]) is back
+
+
+def test_two_at_the_most_are_gone_on_from_and_none_that_explains_less_than_half(stand_in):
+    stand_in.enough = None
+    stand_in.searched()
+    assert [onto for onto, *_ in stand_in.rounds] == [(), ("both",), ("a",), ("a", "b"), ("b",)]
+    # Less than half of what the best one does, in place of `b`, and then one of three that are near enough.
+    stand_in.first["b"].swing.chi2 = 5501.0
+    stand_in.searched()
+    assert ("b",) not in [onto for onto, *_ in stand_in.rounds]
+    for name in ("b", "half"):
+        stand_in.first[name].swing.chi2 = 5499.0
+    stand_in.searched()
+    assert len([onto for onto, *_ in stand_in.rounds if onto in (("b",), ("half",))]) == 1
+
+
+def test_what_does_not_pay_or_is_there_already_is_not_gone_on_from(stand_in):
+    # Nine parts in ten of the best one, and no more than 60 of chi-square.
+    stand_in.enough = None
+    stand_in.plain.swing.chi2, stand_in.first["a"].swing.chi2 = 1056.0, 1004.0
+    stand_in.searched()
+    assert [onto for onto, *_ in stand_in.rounds] == [(), ("both",)]
+    stand_in.plain.swing.chi2, stand_in.first["a"].swing.chi2 = 10000.0, 1200.0
+    stand_in.accepted[("both",), True] = path_of("both", "a", chi2=900.0)
+    stand_in.searched()
+    assert [onto for onto, *_ in stand_in.rounds] == [(), ("both",), ("both", "a"), ("b",)]
+
+
+@pytest.mark.parametrize(
+    ("chi2", "prefers", "by_rotation", "taken"),
+    [
+        pytest.param(500.0, None, True, True, id="swings"),
+        pytest.param(500.0, ("both",), True, False, id="whole records against it"),
+        pytest.param(500.0, ("both",), False, True, id="accelerometers, whose whole records say little"),
+        pytest.param(945.0, None, True, False, id="too little"),
+        pytest.param(945.0, ("a", "b"), True, True, id="too little, whole records for it"),
+        pytest.param(1055.0, ("a", "b"), True, True, id="whole records alone"),
+        pytest.param(1065.0, ("a", "b"), True, False, id="whole records, swings against it"),
+        pytest.param(945.0, ("a", "b"), False, False, id="too little, accelerometers"),
+    ],
+)
+def test_swings_or_whole_records_have_to_speak_for_the_way_back_by_far(stand_in, chi2, prefers, by_rotation, taken):
+    stand_in.pair.swing.chi2, stand_in.whole_prefers, stand_in.by_rotation = chi2, prefers, by_rotation
+    stand_in.pair.swing.samples = stand_in.first["both"].swing.samples = 2000
+    found = stand_in.searched()
+    assert found.last.names == (("a", "b") if taken else ("both",))
+    assert sorted(ontos(found)) == [(), ("a",), ("a", "b"), ("both",)]
+    left = next(r for r in found.rounds if r.onto.names == ("a",))
+    if taken:
+        assert found.said == ("Both explains most by itself, A with B explain more together",)
+    elif chi2 == 500.0:
+        assert found.said == ("A with B would explain more of the swings than Both; whole records speak against it",)
+        assert left.refused == (stand_in.pair,) and not left.trials
+    else:
+        assert found.said == ()
+
+
+def test_by_far_is_by_more_where_more_is_left(stand_in):
+    """60 times chi-square over the samples, as for one effect more."""
+    stand_in.pair.swing.chi2, stand_in.pair.swing.samples = 500.0, 60
+    assert stand_in.searched().last.names == ("both",)  # 500 less, of 60 * 500 / 60
+    stand_in.pair.swing.samples = 61
+    assert stand_in.searched().last.names == ("a", "b")
+
+
+def test_what_swings_do_not_tell_apart_is_said(stand_in):
+    stand_in.pair.swing.chi2 = 990.0
+    assert stand_in.searched().said == ("swings do not tell A with B from Both",)
+    stand_in.whole_prefers = ("a", "b")
+    assert stand_in.searched().said == ("swings do not tell Both from A with B; whole records speak for the latter",)
+
+
+def test_the_search_does_not_go_back_where_nothing_is_left_or_nothing_was_found(stand_in):
+    both = stand_in.first["both"]
+    for accepted, left in (({((), True): both}, [(), ("both",)]), ({}, [()])):
+        stand_in.accepted, stand_in.enough = accepted, both
+        stand_in.searched()
+        assert [onto for onto, *_ in stand_in.rounds] == left
+
+
+@pytest.fixture
+def floors(stand_in):
+    """The same where floors were put off, and all paths leave something."""
+    stand_in.put_off, stand_in.enough = (SimpleNamespace(name="floor"),), None
+    stand_in.accepted[(), False] = stand_in.first["both"]
+    return stand_in
+
+
+@pytest.mark.parametrize("floor", [100.0, 455.0])
+def test_floors_have_to_serve_better_than_what_going_back_found(floors, floor):
+    """What they do beside the greedy path is no reason to lose the other one."""
+    floors.accepted[("both",), False] = path_of("both", "floor", costly=True, chi2=floor)
+    floors.accepted[("a",), False] = floors.pair
+    found = floors.searched()
+    names = ("both", "floor") if floor < 440.0 else ("a", "b")
+    assert [t.names for t in found.trials] == [(), names[:1], names]
+    assert ontos(found)[:2] == [(), names[:1]]
+    assert set(ontos(found)) == {(), ("both",), ("a",), ("a", "b"), ("b",)}
+    assert len(found.rounds) == 5
+    # Of each round it is said whether floors were tried on top of it.
+    said = {r.onto.names: r.skipped.get("floor") for r in found.rounds}
+    assert said.pop(("b",)) == searching.NOT_ON_TOP
+    assert set(said.values()) == {None}
+
+
+def test_floors_are_tried_on_top_of_the_first_effect_of_the_way_back(floors):
+    floors.accepted[("a",), False] = path_of("a", "floor", costly=True, chi2=200.0)
+    assert floors.searched().last.names == ("a", "floor")
+
+
+def test_floors_beside_the_greedy_path_are_kept_where_going_back_led_nowhere(floors):
+    """As before: they were put to swings and whole records when they were tried."""
+    del floors.accepted[("a",), True]
+    floors.accepted[("both",), False] = path_of("both", "floor", costly=True, chi2=990.0)
+    assert floors.searched().last.names == ("both", "floor")
+
+
+def test_one_effect_alone_that_was_left_in_the_first_round_is_not_taken_by_going_back(stand_in):
+    """Swings would have taken it at first; what is asked of whole records there is more."""
+    stand_in.enough = None
+    stand_in.first["a"].swing.chi2 = 400.0
+    del stand_in.accepted[("a",), True]
+    assert stand_in.searched().last.names == ("both",)
+
+
+def test_what_either_way_through_a_round_tried_is_kept_in_the_round(floors):
+    """Whole records brought `adhesion` in at first, the second time it was not asked for."""
+    floors.accepted = {((), True): path_of("adhesion", chi2=700.0), ((), False): path_of("floor", chi2=500.0)}
+    found = floors.searched()
+    assert found.last.names == ("floor",)
+    names = [t.names for t in found.rounds[0].trials]
+    assert len(names) == len(set(names))
+    assert {("adhesion",), ("floor",), ("a",), ("both",)} <= set(names)
+    # Without effects nothing was put off any more; after `adhesion` floors were not tried.
+    assert found.rounds[0].put_off == () and "floor" not in found.rounds[0].skipped
+    (after,) = (r for r in found.rounds if r.onto.names == ("adhesion",))
+    assert after.skipped == {"floor": searching.NOT_ON_TOP}
+
+
+def test_the_trial_that_is_taken_is_itself_in_its_round(floors):
+    """The second way through a round may fit the same effect anew; rivals are compared with the one that is taken."""
+    floors.accepted[(), False] = path_of("a", chi2=1200.0)
+    floors.accepted[("both",), False] = path_of("both", "floor", chi2=990.0)
+    found = floors.searched()
+    assert found.last is floors.pair
+    for tried, trial in zip(found.rounds, found.trials[1:], strict=False):
+        assert sum(t.names == trial.names for t in tried.trials) == 1
+        assert any(t is trial for t in tried.trials)
+    # After the last effect too there is all that was tried.
+    floors.trials[("a", "b")] = [path_of("a", "b", "c", chi2=495.0)]
+    floors.accepted[("a",), False] = floors.pair
+    last = floors.searched().rounds[2]
+    assert last.onto is floors.pair and not last.put_off
