@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import dem
+from dem import assembly_setup
 
 G = 9.80665
 KN = 1.98e7
@@ -215,6 +216,12 @@ SCENES = {
     "flat arch": (dem.arch(9, 0.2, embrace=2.0), 20.0),
     "shelf": (dem.bookshelf(), 6.0),
 }
+
+
+def test_cells_of_the_search_are_as_wide_as_a_typical_body():
+    """Larger ones would cost time alone: in one that holds all bodies each is compared with each."""
+    scene, diagonal = dem.column(3, B, H, D, DENSITY), math.hypot(B, H)
+    assert assembly_setup.cell_size(scene, 0.004) == pytest.approx(diagonal + 0.008)
 
 
 def test_blocks_of_a_column_are_named_from_below():

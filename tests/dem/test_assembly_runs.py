@@ -276,6 +276,23 @@ def test_critical_step_of_a_column(count, expected):
     )
 
 
+def test_a_body_may_meet_what_damps_it_most_in_the_scene():
+    """Two blocks apart from each other: their step is that of a scene in which all contacts are damped as theirs."""
+    pair = dem.Assembly((dem.block(B, H, D, DENSITY), dem.block(B, H, D, DENSITY, x=3.0 * B)))
+    weak, strong = dem.Contact(1.0, damping=10.0), dem.Contact(1.0, damping=3e4)
+    contacts = {("block", "block"): strong, ("block", "table"): weak}
+    as_damped = dem.assembly_critical_step(pair, strong)
+    assert dem.assembly_critical_step(pair, contacts) == pytest.approx(as_damped, rel=1e-12)
+    assert as_damped < 0.5 * dem.assembly_critical_step(pair, weak)
+
+
+def test_a_block_that_is_thrown_up_flies_and_is_not_taken_for_one_that_blew_up():
+    flying = dem.Assembly((dem.block(0.1, 0.1, D, DENSITY).moving(vz=5.0),))
+    run = dem.simulate_assembly(flying, t_end=0.4, contact=STEADY, settle=False)
+    assert run.ending is dem.Ending.REACHED_END
+    assert run.z[-1, 0] - run.z[0, 0] == pytest.approx(5.0 * run.time[-1] - 0.5 * 9.80665 * run.time[-1] ** 2, rel=1e-3)
+
+
 @pytest.mark.parametrize("name", ["three", "masonry", "arch", "stones"])
 @pytest.mark.parametrize("xi", [0.0, 0.3])
 def test_runs_just_below_the_critical_step_stay_bounded_and_just_above_grow(monkeypatch, name, xi):
