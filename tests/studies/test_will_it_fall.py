@@ -94,19 +94,18 @@ def test_a_record_scaled_by_its_own_margin_is_at_the_margin(record_file):
     assert weaker.falls == "no" and weaker.largest_tilt < 1.0
 
 
-def test_the_largest_tilt_is_that_of_another_solver_over_the_angle_of_balance(record_file):
-    (record,) = ex.read(record_file)
-    weak = ex.scaled(record, 1.6)
+def test_the_largest_tilt_is_that_of_another_solver_over_the_angle_of_balance():
+    weak = command.one_cycle(0.93 * FIRST[1.0], 1.0)
     found = command.answer(BLOCK, weak)
     tilts = [
         np.max(np.abs(solve(
-            Method1(BLOCK, restitution=e), PiecewiseLinear(weak.time_step, sign * weak.acceleration), t_end=25.0,
-            solver="scipy", save_at=np.linspace(0.0, 25.0, 25001),
+            Method1(BLOCK, restitution=e), PiecewiseLinear(weak.time_step, sign * weak.acceleration), t_end=5.0,
+            solver="scipy", save_at=np.linspace(0.0, 5.0, 5001),
         ).theta))
         for e in command.restitutions(BLOCK, None) for sign in (1.0, -1.0)
     ]  # fmt: skip
-    assert 0.05 < found.largest_tilt < 0.95
-    # The angle of balance is alpha; a sample each millisecond misses a peak by less than 1e-6 of it.
+    assert 0.05 < found.largest_tilt < 0.95  # it rocks, and does not fall
+    # The angle of balance is alpha; a sample each millisecond misses a peak by 1e-5 of it at the most.
     assert found.largest_tilt == pytest.approx(max(tilts) / math.atan(0.25), rel=1e-4)
 
 
