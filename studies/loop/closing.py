@@ -22,8 +22,9 @@ from studies.loop.model import LoopModel
 from studies.loop.names import readable
 from studies.loop.preparing import Setup, prepare
 from studies.loop.remaining import MISSED_BY_FAR, by_chance, missed, over_noise, slips, structure, unexplained
-from studies.loop.revising import Revision, revised
+from studies.loop.revising import Revision, revised, without_needless
 from studies.loop.rivals import Rival, near_all, other_forms, standing, twins
+from studies.loop.rounds import Path
 from studies.loop.scoring import Errors, errors, leaning, median
 from studies.loop.searching import traced
 from studies.loop.settling import Settled, intervals, settle, whole_fit
@@ -120,8 +121,7 @@ def close(
         named = revised(setup, plain, path.trials[-1], path.fits[-1], rounds, tell)
     tell("comparing rivals")
     if not rivals and named.trial.parts:
-        near = near_all(setup, named.rounds, named.trial, named.whole)
-        rivals = _borne_out(setup, near, named.trial, named.whole)
+        named, rivals = _compared(setup, plain, named, rounds, tell)
     stands, whole = (rivals[0].trial, rivals[0].whole) if rivals else (named.trial, named.whole)
     before = settle(setup, plain, path.fits[0])
     chosen, verdict, after, unlearned = _kept(setup, plain, before, stands, whole, tell)
@@ -139,8 +139,31 @@ def close(
         setup, verdict, declared, models["before"], models["after"], before.whole, after.whole, chosen, rivals,
         twins(rivals, named.trial), tuple(rounds), named.rounds or tuple(rounds[:1]), all_errors, median(floors),
         intervals(chosen, after),
-        (*setup.notes, *path.said, *named.said, *said, *_of_forms(rivals), *unlearned, *_unseen(setup)), after,
+        (
+            *setup.notes, *_of_the_search(path, stands), *named.said, *said, *_of_forms(rivals), *unlearned,
+            *_unseen(setup),
+        ),
+        after,
     )  # fmt: skip
+
+
+def _compared(
+    setup: Setup, plain: Trial, named: Revision, rounds: Sequence[Round], tell: Tell
+) -> tuple[Revision, tuple[Rival, ...]]:
+    """What stands beside its rivals, the best first, each of its effects needed.
+
+    rounds: of the search.
+    """
+    while True:
+        near = near_all(setup, named.rounds, named.trial, named.whole)
+        rivals = _borne_out(setup, near, named.trial, named.whole)
+        best = rivals[0] if rivals else None
+        if best is None or best.trial.names == named.trial.names:
+            return named, rivals
+        shorter = without_needless(setup, plain, replace(named, trial=best.trial, whole=best.whole), rounds, tell)
+        if shorter is None:
+            return named, rivals
+        named = shorter
 
 
 def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Trial, Verdict]:
@@ -270,6 +293,11 @@ def _declared(campaign: Campaign, g: float) -> LoopModel:
         return model
     housner = 1.0 - 1.5 * math.sin(campaign.block.alpha) ** 2
     return replace(model, restitution=min(max(housner, 0.05), 1.0))
+
+
+def _of_the_search(path: Path, stands: Trial) -> tuple[str, ...]:
+    """What the search says of the paths that it left, if what it took stands."""
+    return path.said if set(stands.names) == set(path.last.names) else ()
 
 
 def _of_forms(rivals: Sequence[Rival]) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ from studies.loop.fitting import Fit, fit
 from studies.loop.names import readable
 from studies.loop.preparing import Setup
 from studies.loop.rivals import FURTHER_COSTLY, TWIN
-from studies.loop.settling import whole_fit
+from studies.loop.settling import whole_fit, whole_fit_from_many
 from studies.loop.tracing import Round, Trial, bic, pays, search
 from studies.loop.whole_records import explains_more
 
@@ -99,10 +99,51 @@ def _dropped(setup: Setup, stands: Revision, others: Sequence[Trial]) -> Revisio
     for less in sorted(others, key=lambda t: t.swing.chi2):
         if pays(less.swing, stands.trial.swing):
             break
-        whole = whole_fit(setup, less, stands.whole)
-        if not _refused(setup, stands, whole):
-            return Revision(less, whole, ())
+        # Whole records are rugged: more is tried before they are taken to refuse.
+        for fitted in (_whole_without, _whole_without_from_many):
+            whole = fitted(setup, less, stands)
+            if not _refused(setup, stands, whole):
+                return Revision(less, whole, ())
     return None
+
+
+def _whole_without(setup: Setup, less: Trial, stands: Revision) -> Fit:
+    """What is left of a trial fitted to whole records, from its own swings or from where the trial that stands has it.
+
+    What is not needed may have led to a minimum that is there without it too.
+    """
+    own = whole_fit(setup, less, stands.whole)
+    effects = {name: values for name, values in stands.whole.model.effects.items() if name in less.effects}
+    there = replace(less, swing=replace(less.swing, model=replace(stands.whole.model, effects=effects)))
+    return min(own, whole_fit(setup, there, stands.whole), key=lambda found: found.chi2)
+
+
+def _whole_without_from_many(setup: Setup, less: Trial, stands: Revision) -> Fit:
+    """The same from starts about what its own swings say."""
+    return whole_fit_from_many(setup, less, stands.whole)
+
+
+def without_needless(
+    setup: Setup, plain: Trial, stands: Revision, rounds: Sequence[Round], tell: Callable[[str], None]
+) -> Revision | None:
+    """What stands without an effect that it does not need, looked at as that was; None if it needs them all.
+
+    To be asked of a trial that took the place of its twin: of what it has in that one's place there may be nothing.
+
+    rounds: of the search.
+    """
+    if len(stands.trial.parts) < 2:
+        return None
+    others = [_without(setup, plain, stands.trial, k) for k in range(len(stands.trial.parts))]
+    shorter = _dropped(setup, stands, others)
+    if shorter is None:
+        return None
+    (gone,) = set(stands.trial.names) - set(shorter.trial.names)
+    sources = [
+        next(r for r in rounds if any(r.added(t).name == part.name for t in r.trials)) for part in shorter.trial.parts
+    ]
+    found = revised(setup, plain, shorter.trial, shorter.whole, sources, tell)
+    return replace(found, said=(*stands.said, f"{readable(gone)} is not needed beside the others", *found.said))
 
 
 def _again(

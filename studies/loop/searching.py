@@ -20,7 +20,7 @@ from studies.loop.remaining import by_chance, declared_noise, explains, slips
 from studies.loop.revising import set_aside
 from studies.loop.rivals import TWIN
 from studies.loop.rounds import Path, Tell, followed, same
-from studies.loop.settling import whole_fit
+from studies.loop.settling import whole_fit, whole_fit_from_many
 from studies.loop.tracing import PAYS, Round, Trial, all_candidates, bic, pays
 from studies.loop.whole_records import MISSED, explains_more
 
@@ -116,7 +116,9 @@ def _best(setup: Setup, paths: Sequence[Path]) -> Path:
     """The path that serves best, the first one if none does better by far."""
     best = paths[0]
     for path in paths[1:]:
-        if _serves_better(setup, path, best):
+        # What is more than the best one has was tried on top of it.
+        more = set(best.last.names) < set(path.last.names)
+        if not more and _serves_better(setup, path, best):
             best = path
     return best
 
@@ -128,7 +130,10 @@ def _serves_better(setup: Setup, one: Path, other: Path) -> bool:
         return by > 0
     if by > 0:
         return not explains_more(setup, other.whole, one.whole)
-    return by == 0 and explains_more(setup, one.whole, other.whole)
+    if by < 0 or not explains_more(setup, one.whole, other.whole):
+        return False
+    # Whole records are rugged: the one that they would refuse is fitted to them from more starts first.
+    return explains_more(setup, one.whole, whole_fit_from_many(setup, other.last, other.whole))
 
 
 def _by_swings(one: Path, other: Path) -> int:

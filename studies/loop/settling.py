@@ -31,6 +31,9 @@ PREDICTABLE = 2.0
 NEIGHBOURS = 11
 """Starts about the swings' estimate from which whole records are fitted."""
 
+FEW_NEIGHBOURS = 5
+"""The same where a fit of whole records is only to be compared."""
+
 ENDED = 4
 """So many of these fits, the best, are ended."""
 
@@ -61,6 +64,19 @@ def whole_fit(setup: Setup, trial: Trial, weights_of: Fit | None = None) -> Fit:
     if full.chi2 >= leans.chi2 or not _still_fits(setup, trial, full.model):
         return leans
     return full
+
+
+def whole_fit_from_many(setup: Setup, trial: Trial, weights_of: Fit) -> Fit:
+    """The best of such fits that begin about the swings' estimate: one of them may end in a minimum of its own."""
+    found = [whole_fit(setup, trial, weights_of)]
+    if trial.costly:
+        return found[0]
+    sure = sensor_covariance(setup.simulator, trial.swing)
+    for part in (part for part in trial.parts if part.in_swings):
+        for model in neighbours(trial.swing, sure, part.parameters[0], FEW_NEIGHBOURS):
+            there = replace(trial, swing=replace(trial.swing, model=model))
+            found.append(whole_fit(setup, there, weights_of))
+    return min(found, key=lambda f: f.chi2)
 
 
 def _still_fits(setup: Setup, trial: Trial, model: LoopModel) -> bool:

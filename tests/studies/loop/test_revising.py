@@ -4,9 +4,10 @@ Campaigns are of the laboratory, which shares no code with the models; what was 
 """
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from types import SimpleNamespace
+from typing import Any
 
 import found
 import numpy as np
@@ -15,13 +16,13 @@ import pytest
 from studies.campaigns import Campaign, Channel, Conditions, DeclaredBlock, Test
 from studies.laboratory import event, table
 from studies.laboratory.parameters import G, World, uniform
-from studies.loop import closing, finding_file, revising
+from studies.loop import closing, finding_file, revising, settling
 from studies.loop.dataset import candidates
 from studies.loop.finding_file import as_json
 from studies.loop.model import LoopModel
 from studies.loop.preparing import Setup, prepare
 from studies.loop.report import page
-from studies.loop.revising import revised
+from studies.loop.revising import Revision, revised, without_needless
 from studies.loop.rivals import Rival, near_all, twins
 from studies.loop.settling import whole_fit
 from studies.loop.tracing import Round, Trial, all_candidates, baseline, bic, search
@@ -73,6 +74,111 @@ def test_an_effect_that_stood_for_another_one_is_left_out() -> None:
     assert made.said == ("Viscous damping was accepted at first, and is not needed beside the others",)
     assert [r.onto.effects for r in made.rounds] == [()]
     assert bic(made.trial.swing) == pytest.approx(min(bic(t.swing) for t in first.trials), abs=1.0)
+
+
+def test_what_took_the_place_of_a_twin_goes_if_it_is_not_needed() -> None:
+    setup, plain = planted(("quadratic", 0.05))
+    first, stand_in = on_top(setup, plain, "viscous_damping", "quadratic_drag")
+    second, both = on_top(setup, stand_in, "quadratic_drag")
+    stands = Revision(both, whole_fit(setup, both), (), ("before",))
+    made = without_needless(setup, plain, stands, [first, second], quiet)
+    assert made is not None and made.trial.effects == ("quadratic_drag",)
+    assert made.said == ("before", "Viscous damping is not needed beside the others")
+    assert made.rounds == (first,)
+    assert without_needless(setup, plain, made, [first, second], quiet) is None  # one effect alone
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_whole_records_of_less_are_looked_for_where_the_trial_that_stands_has_them(
+    monkeypatch: pytest.MonkeyPatch, there: bool
+) -> None:
+    """A minimum that a needless effect led to is there without it too."""
+    setup, plain = planted(("quadratic", 0.05))
+    _, drag = on_top(setup, plain, "quadratic_drag")
+    found = replace(drag.swing.model, effects={"quadratic_drag": {"coefficient": 0.07}, "tether": {"stiffness": 0.0}})
+    asked = []
+
+    def fitted(_: Setup, trial: Trial, weights: object) -> SimpleNamespace:
+        asked.append(trial.swing.model)
+        own = trial.swing.model is drag.swing.model
+        return SimpleNamespace(chi2=2.0 if own is there else 1.0, weights=weights)
+
+    monkeypatch.setattr(revising, "whole_fit", fitted)
+    stands = SimpleNamespace(whole=SimpleNamespace(model=found))
+    best = revising._whole_without(setup, drag, stands)  # type: ignore[arg-type]
+    assert best.chi2 == 1.0 and best.weights is stands.whole  # type: ignore[attr-defined]
+    assert [model.effects for model in asked] == [drag.swing.model.effects, {"quadratic_drag": {"coefficient": 0.07}}]
+
+
+@pytest.mark.parametrize(("first", "many", "goes"), [(9.0, 9.0, False), (1.0, 9.0, True), (9.0, 1.0, True)])
+def test_whole_records_refuse_to_let_an_effect_go_from_no_start(
+    monkeypatch: pytest.MonkeyPatch, first: float, many: float, goes: bool
+) -> None:
+    both, alone = stub("a", "b", chi2=1000.0), stub("a", chi2=1010.0)
+    monkeypatch.setattr(revising, "_whole_without", lambda setup, less, stands: first)
+    monkeypatch.setattr(revising, "_whole_without_from_many", lambda setup, less, stands: many)
+    monkeypatch.setattr(revising, "explains_more", lambda setup, one, other: one < other)
+    stands = Revision(both, 5.0, ())  # type: ignore[arg-type]
+    made = revising._dropped(SimpleNamespace(by_rotation=True), stands, [alone])  # type: ignore[arg-type]
+    assert (made is not None and made.trial is alone) is goes
+
+
+def test_the_best_of_many_starts_is_taken_and_a_floor_has_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    @dataclass(frozen=True)
+    class Some:
+        swing: Any
+        parts: tuple[Any, ...]
+        costly: bool = False
+
+    @dataclass(frozen=True)
+    class Swing:
+        model: float
+
+    parts = tuple(SimpleNamespace(parameters=(size, "other"), in_swings=seen) for size, seen in ((2, True), (5, False)))
+    chi2 = {0: 4.0, 1: 3.0, 2: 1.0, 3: 2.0}
+    monkeypatch.setattr(settling, "whole_fit", lambda setup, t, w: SimpleNamespace(chi2=chi2[t.swing.model], weights=w))
+    monkeypatch.setattr(settling, "sensor_covariance", lambda simulator, fit: "covariance")
+    monkeypatch.setattr(settling, "neighbours", lambda fit, covariance, parameter, count: range(1, parameter + 2))
+    setup = SimpleNamespace(simulator=None)
+    best = settling.whole_fit_from_many(setup, Some(Swing(0), parts), "weights")  # type: ignore[arg-type]
+    assert (best.chi2, best.weights) == (1.0, "weights")  # type: ignore[attr-defined]
+    costly = settling.whole_fit_from_many(setup, Some(Swing(0), parts, True), "weights")  # type: ignore[arg-type]
+    assert costly.chi2 == 4.0
+
+
+def test_rivals_are_looked_for_again_where_the_best_one_has_something_needless(monkeypatch: pytest.MonkeyPatch) -> None:
+    def rival(*names: str) -> SimpleNamespace:
+        return SimpleNamespace(trial=SimpleNamespace(names=names), whole=f"whole of {names}")
+
+    pair, twin, alone = rival("gain", "mass"), rival("mass", "drag"), rival("mass")
+    named = Revision(pair.trial, "", ("of the pair",), ("said",))  # type: ignore[arg-type]
+    shorter = Revision(alone.trial, alone.whole, ("of the mass",))  # type: ignore[arg-type]
+    best = {("of the pair",): (twin, pair), ("of the mass",): (alone,)}
+    monkeypatch.setattr(closing, "near_all", lambda setup, tried, trial, whole: best[tried])
+    monkeypatch.setattr(closing, "_borne_out", lambda setup, near, trial, whole: near)
+    asked, needless = [], [shorter, None]
+
+    def without(setup: object, plain: object, stands: Revision, tried: object, tell: object) -> Revision | None:
+        asked.append((stands.trial.names, stands.whole, stands.said))
+        return needless.pop(0)
+
+    monkeypatch.setattr(closing, "without_needless", without)
+
+    def compared() -> tuple[Revision, tuple[Rival, ...]]:
+        return closing._compared(None, None, named, [], quiet)  # type: ignore[arg-type]
+
+    assert compared() == (shorter, (alone,))
+    # One that needs all of its effects stands, as a rival of what was named; one that is what was named is not asked.
+    assert compared() == (named, (twin, pair))
+    assert asked == [(("mass", "drag"), twin.whole, ("said",))] * 2
+    best[("of the pair",)] = (pair, twin)
+    assert compared() == (named, (pair, twin)) and len(asked) == 2
+
+
+def test_what_the_search_said_goes_with_what_it_took() -> None:
+    path = SimpleNamespace(last=SimpleNamespace(names=("a", "b")), said=("of a with b",))
+    assert closing._of_the_search(path, SimpleNamespace(names=("b", "a"))) == ("of a with b",)  # type: ignore[arg-type]
+    assert closing._of_the_search(path, SimpleNamespace(names=("a",))) == ()  # type: ignore[arg-type]
 
 
 @pytest.mark.slow
@@ -157,6 +263,8 @@ def test_what_whole_records_refuse_neither_goes_nor_comes(monkeypatch: pytest.Mo
     monkeypatch.setattr(revising, "_without", lambda s, p, trial, k: alone[trial.names[k]])
     monkeypatch.setattr(revising, "search", lambda s, onto, pool, tell: Round(onto, []))
     monkeypatch.setattr(revising, "whole_fit", lambda setup, trial, whole: trial.names)
+    for name in ("_whole_without", "_whole_without_from_many"):
+        monkeypatch.setattr(revising, name, lambda setup, less, stands: less.names)
     monkeypatch.setattr(revising, "explains_more", lambda setup, one, other: True)
 
     made = revised(SimpleNamespace(simulator=None, by_rotation=True), plain, both, both.names, [first, second], quiet)  # type: ignore[arg-type]
@@ -212,6 +320,8 @@ def test_one_effect_that_is_left_stays(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(revising, "_without", without)
     monkeypatch.setattr(revising, "search", lambda s, onto, pool, tell: Round(onto, [better]))
     monkeypatch.setattr(revising, "whole_fit", lambda setup, trial, whole: trial.names)
+    for name in ("_whole_without", "_whole_without_from_many"):
+        monkeypatch.setattr(revising, name, lambda setup, less, stands: less.names)
     rounds = [Round(plain, [first, alone]), Round(first, [both])]
     made = revised(SimpleNamespace(simulator=None, by_rotation=False), plain, both, both.names, rounds, quiet)  # type: ignore[arg-type]
     assert made.trial is better and len(made.said) == 2

@@ -23,17 +23,24 @@ def ways(monkeypatch):
         nxt = told.accepted.get((onto.names, later))
         if nxt is not None and all(t is not nxt for t in tried.trials):
             tried.trials.append(nxt)
-        return tried, nxt and (nxt, SimpleNamespace(rms=told.whole, of=nxt.names)), ()
+        return tried, nxt and (nxt, whole_of(told, nxt)), ()
 
     monkeypatch.setattr(rounds, "_round", one_round)
     monkeypatch.setattr(searching, "all_candidates", lambda model: ())
-    monkeypatch.setattr(searching, "whole_fit", lambda setup, trial: SimpleNamespace(rms=told.whole, of=trial.names))
+    monkeypatch.setattr(
+        searching, "whole_fit", lambda setup, trial: SimpleNamespace(rms=told.whole, of=trial.names, best=None)
+    )
     monkeypatch.setattr(searching, "explains_more", lambda setup, one, other: False)
     monkeypatch.setattr(searching, "declared_noise", lambda setup: told.declared)
     for module in (rounds, searching):
         monkeypatch.setattr(module, "by_chance", lambda setup, trial: told.chance)
         monkeypatch.setattr(module, "explains", lambda setup, trial, whole: told.explains)
     return told
+
+
+def whole_of(told, trial):
+    """A fit of the trial on whole records; `best` says which trial's is no better, if one was looked for."""
+    return SimpleNamespace(rms=told.whole, of=trial.names, best=None)
 
 
 def path_of(*names, costly=False, chi2=None):
@@ -134,7 +141,11 @@ def stand_in(ways, monkeypatch):
     monkeypatch.setattr(searching, "by_chance", lambda setup, trial: trial is ways.enough)
     for module in (rounds, searching):
         monkeypatch.setattr(module, "explains", lambda setup, trial, whole: trial is ways.enough)
-    monkeypatch.setattr(searching, "explains_more", lambda setup, one, other: one.of == ways.whole_prefers)
+    monkeypatch.setattr(
+        searching, "explains_more", lambda setup, one, other: one.of == ways.whole_prefers != other.best
+    )
+    monkeypatch.setattr(searching, "whole_fit_from_many", lambda setup, trial, whole: ways.again(trial))
+    ways.again = lambda trial: whole_of(ways, trial)
 
     def search():
         ways.rounds.clear()
@@ -239,6 +250,20 @@ def test_swings_or_whole_records_have_to_speak_for_the_way_back_by_far(stand_in,
         assert left.refused == (stand_in.pair,) and not left.trials
     else:
         assert found.said == ()
+
+
+def test_what_whole_records_would_refuse_is_fitted_to_them_from_more_starts_first(stand_in):
+    stand_in.pair.swing.chi2, stand_in.whole_prefers = 945.0, ("a", "b")
+    assert stand_in.searched().last.names == ("a", "b")
+    # From another start the one effect explains them as well.
+    stand_in.again = lambda trial: SimpleNamespace(rms=1.0, of=trial.names, best=("a", "b"))
+    assert stand_in.searched().last.names == ("both",)
+
+
+def test_a_path_that_has_all_of_another_and_more_is_not_taken(stand_in):
+    """What it has more was tried on top of the other one and did not pay, or whole records spoke against it."""
+    stand_in.accepted[("a",), True] = path_of("a", "both", chi2=500.0)
+    assert stand_in.searched().last.names == ("both",)
 
 
 def test_by_far_is_by_more_where_more_is_left(stand_in):
