@@ -161,7 +161,7 @@ def _compared(
         if best is None or best.trial.names == named.trial.names:
             return named, rivals
         shorter = without_needless(setup, plain, replace(named, trial=best.trial, whole=best.whole), rounds, tell)
-        if shorter is None:
+        if shorter is None or len(shorter.trial.parts) >= len(named.trial.parts):
             return named, rivals
         named = shorter
 

@@ -69,7 +69,8 @@ def revised(
             others = [plain]
         tried = tuple(
             # The last one of the search was chosen with the others there.
-            sources[part.name] if part is trial.parts[-1] and not said
+            sources[part.name]
+            if part is trial.parts[-1] and not said and sources[part.name].onto.names == without.names
             else _again(setup, without, stands.trial, part, sources[part.name], tell)
             for part, without in zip(stands.trial.parts, others, strict=True)
         )  # fmt: skip
@@ -142,7 +143,11 @@ def without_needless(
     sources = [
         next(r for r in rounds if any(r.added(t).name == part.name for t in r.trials)) for part in shorter.trial.parts
     ]
-    found = revised(setup, plain, shorter.trial, shorter.whole, sources, tell)
+    if len(sources) > 1:
+        found = revised(setup, plain, shorter.trial, shorter.whole, sources, tell)
+    else:
+        (part,) = shorter.trial.parts
+        found = replace(shorter, rounds=(_again(setup, plain, shorter.trial, part, sources[0], tell),))
     return replace(found, said=(*stands.said, f"{readable(gone)} is not needed beside the others", *found.said))
 
 

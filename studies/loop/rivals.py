@@ -68,6 +68,8 @@ def near(setup: Setup, tried: Round, best: Trial, whole: Fit) -> tuple[Rival, ..
         )  # fmt: skip
         settled = replace(trial, swing=ended if ended.chi2 <= trial.swing.chi2 else trial.swing)
         own = whole_fit(setup, settled, whole)
+        if trial is best and whole.chi2 < own.chi2:  # it may have been found from another start
+            own = whole
         held = errors(setup, own.model, own.windows).holdout
         found.append(Rival(settled, own, bic(settled.swing), bic(own), held))
     return tuple(sorted(found, key=lambda r: r.criterion))

@@ -1,6 +1,6 @@
 """The search, one effect after the other: what was tried, what swings and whole records accept of it.
 
-Status   a pair of effects that leaves nothing is taken before a floor that would, too.
+Status   rounds with stubs for fits (tests); `studies.loop.searching` says where they lead
 """
 
 from __future__ import annotations

@@ -52,17 +52,22 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     if not any(r.put_off for r in rounds) or _nothing_is_left(setup, quick):
         return _told(setup, quick, paths, greedy, rounds)
     tell("something is left: again with floors that give")
-    # What whole records alone brought in, they are asked for again.
-    begun = [replace(r, trials=[t for t in r.trials if r.added(t).in_swings]) for r in rounds]
-    floors = [followed(setup, begin, pool, tell, begun=begun)]
+    floors = [followed(setup, begin, pool, tell, begun=_to_go_through_again(rounds))]
     # What stood of the greedy path was gone through again.
     chosen = floors[0]
     if quick is not greedy:
         first = Path(quick.trials[:2], floors[0].rounds[:1], quick.fits[:2])
-        floors.append(followed(setup, first, pool, tell, begun=begun))
+        floors.append(followed(setup, first, pool, tell, begun=_to_go_through_again(rounds)))
         chosen = _best(setup, [quick, *floors])
     rounds = [_with_reason(r) for r in _merged([*paths, *floors])]
     return _told(setup, chosen, [*floors, *paths], greedy, rounds)
+
+
+def _to_go_through_again(rounds: Sequence[Round]) -> list[Round]:
+    """Rounds of their own; what whole records alone brought in, they are asked for again."""
+    return [
+        replace(r, trials=[t for t in r.trials if r.added(t).in_swings], skipped=dict(r.skipped)) for r in rounds
+    ]  # fmt: skip
 
 
 def _nothing_is_left(setup: Setup, path: Path) -> bool:
@@ -157,13 +162,14 @@ def _told(
             alike = f"swings do not tell {_named(path.last)} from {names}"
             by_whole = setup.by_rotation and explains_more(setup, chosen.whole, path.whole)
             said.append(f"{alike}; whole records speak for the latter" if by_whole else alike)
-        elif _by_swings(path, chosen) > 0:
+        elif _by_swings(path, chosen) > 0 and setup.by_rotation and explains_more(setup, chosen.whole, path.whole):
             refused.add(frozenset(path.last.names))
             said.append(
                 f"{_named(path.last)} would explain more of the swings than {names}; whole records speak against it"
             )
     left = greedy.trials[1] if greedy.last.names else greedy.last
-    if left.names and not set(left.names) & set(chosen.last.names) and not any(_named(left) in text for text in said):
+    together = len(chosen.last.names) > 1 and not set(left.names) & set(chosen.last.names)
+    if together and left is greedy.rounds[0].best and not any(_named(left) in text for text in said):
         said.append(f"{_named(left)} explains most by itself, {names} explain more together")
     own = []
     for k, tried in enumerate(chosen.rounds):

@@ -1,4 +1,4 @@
-"""Ctrl-C is put off while a file is written or threads are waited for (studies.running.interrupts)."""
+"""Ctrl-C is put off while a file is written, threads are waited for, or code is compiled or hands over what it made."""
 
 import os
 import signal
@@ -195,7 +195,6 @@ print(tries // 10 < heard <= tries)
 """
 IN_PIECES = """
 import threading
-from dem.interrupts import uninterrupted as elsewhere
 from rocking.solvers.threads import over_pieces
 
 helping = []

@@ -17,6 +17,7 @@ from studies.campaigns import Campaign, Channel, Conditions, DeclaredBlock, Test
 from studies.laboratory import event, table
 from studies.laboratory.parameters import G, World, uniform
 from studies.loop import closing, finding_file, revising, settling
+from studies.loop import rivals as rivals_module
 from studies.loop.dataset import candidates
 from studies.loop.finding_file import as_json
 from studies.loop.model import LoopModel
@@ -84,7 +85,9 @@ def test_what_took_the_place_of_a_twin_goes_if_it_is_not_needed() -> None:
     made = without_needless(setup, plain, stands, [first, second], quiet)
     assert made is not None and made.trial.effects == ("quadratic_drag",)
     assert made.said == ("before", "Viscous damping is not needed beside the others")
-    assert made.rounds == (first,)
+    [again] = made.rounds  # what came near it in the first round was tried in its place
+    assert again.onto is plain and {t.effects for t in again.trials} == {("viscous_damping",), ("quadratic_drag",)}
+    assert any(t is made.trial for t in again.trials)
     assert without_needless(setup, plain, made, [first, second], quiet) is None  # one effect alone
 
 
@@ -146,9 +149,28 @@ def test_the_best_of_many_starts_is_taken_and_a_floor_has_one(monkeypatch: pytes
     assert costly.chi2 == 4.0
 
 
+@pytest.mark.parametrize(("again", "kept"), [(30.0, "given"), (10.0, "again")])
+def test_the_better_fit_of_whole_records_is_kept_of_the_trial_that_stands(
+    monkeypatch: pytest.MonkeyPatch, again: float, kept: str
+) -> None:
+    """It may come from a start that is not tried with its rivals."""
+    setup, plain = planted(("quadratic", 0.05))
+    tries, drag = on_top(setup, plain, "quadratic_drag", "viscous_damping")
+
+    def whole(name: str, chi2: float) -> SimpleNamespace:
+        return SimpleNamespace(name=name, chi2=chi2, model=None, windows=(), parameters=(), samples=100)
+
+    monkeypatch.setattr(rivals_module, "whole_fit", lambda setup, trial, weights: whole("again", again))
+    monkeypatch.setattr(rivals_module, "errors", lambda setup, model, windows: SimpleNamespace(holdout=0.0))
+    alone = replace(tries, trials=[drag, *(t for t in tries.trials if t is not drag)])
+    found = near_all(setup, [alone], drag, whole("given", 20.0))  # type: ignore[arg-type]
+    assert [r.whole.name for r in found if r.trial.effects == ("quadratic_drag",)] == [kept]  # type: ignore[attr-defined]
+    assert all(r.whole.name == "again" for r in found if r.trial.effects != ("quadratic_drag",))  # type: ignore[attr-defined]
+
+
 def test_rivals_are_looked_for_again_where_the_best_one_has_something_needless(monkeypatch: pytest.MonkeyPatch) -> None:
     def rival(*names: str) -> SimpleNamespace:
-        return SimpleNamespace(trial=SimpleNamespace(names=names), whole=f"whole of {names}")
+        return SimpleNamespace(trial=SimpleNamespace(names=names, parts=names), whole=f"whole of {names}")
 
     pair, twin, alone = rival("gain", "mass"), rival("mass", "drag"), rival("mass")
     named = Revision(pair.trial, "", ("of the pair",), ("said",))  # type: ignore[arg-type]
@@ -173,6 +195,9 @@ def test_rivals_are_looked_for_again_where_the_best_one_has_something_needless(m
     assert asked == [(("mass", "drag"), twin.whole, ("said",))] * 2
     best[("of the pair",)] = (pair, twin)
     assert compared() == (named, (pair, twin)) and len(asked) == 2
+    # What would be no shorter ends it.
+    best[("of the pair",)], needless[:] = (twin, pair), [Revision(pair.trial, "", ())]  # type: ignore[arg-type]
+    assert compared() == (named, (twin, pair))
 
 
 def test_what_the_search_said_goes_with_what_it_took() -> None:

@@ -362,3 +362,16 @@ def test_the_trial_that_is_taken_is_itself_in_its_round(floors):
     floors.accepted[("a",), False] = floors.pair
     last = floors.searched().rounds[2]
     assert last.onto is floors.pair and not last.put_off
+
+
+def test_one_effect_that_is_taken_is_not_said_to_explain_more_together(floors):
+    floors.accepted[(), False] = path_of("floor", costly=True, chi2=100.0)
+    found = floors.searched()
+    assert found.last.names == ("floor",) and found.said == ()
+
+
+def test_what_was_left_explains_most_by_itself_only_if_it_does(stand_in):
+    """Whole records may have brought it in before one that explains more of the swings."""
+    stand_in.trials[()].append(path_of("c", chi2=990.0))
+    found = stand_in.searched()
+    assert found.last.names == ("a", "b") and found.said == ()
