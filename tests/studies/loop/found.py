@@ -11,7 +11,7 @@ from excitation import SampledMotion
 from rocking import Block, Method1, solve
 from rocking.effects import load
 from studies.campaigns import Campaign, Channel, Conditions, DeclaredBlock, Test, read, write
-from studies.loop import closing, rounds
+from studies.loop import closing, searching
 from studies.loop.candidates import candidates
 
 STEP = 0.004
@@ -62,7 +62,7 @@ def _found(effects, wanted=("base_tilt", "quadratic_drag")):
     """The finding with a short list of candidates, on a campaign that was written and read."""
     with pytest.MonkeyPatch.context() as patch, TemporaryDirectory() as folder:
         few = tuple(c for c in candidates(DeclaredBlock(0.15, 0.5, 0.25, BLOCK.mass)) if c.name in wanted)
-        patch.setattr(rounds, "all_candidates", lambda model: few)
+        patch.setattr(searching, "all_candidates", lambda model: few)
         return closing.close(read(write(_campaign(effects), folder)), g=9.80665)
 
 

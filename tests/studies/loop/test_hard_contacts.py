@@ -8,7 +8,7 @@ import pytest
 from studies.campaigns import read
 from studies.laboratory.campaign import make_campaign
 from studies.laboratory.parameters import G
-from studies.loop import closing, rounds
+from studies.loop import closing, searching
 from studies.loop.tracing import all_candidates
 
 RIVALS = {"bouncing", "velocity_dependent_restitution", "viscous_damping", "base_motion_lag"}
@@ -18,7 +18,7 @@ RIVALS = {"bouncing", "velocity_dependent_restitution", "viscous_damping", "base
 def test_a_corner_that_bounces_is_found(tmp_path, monkeypatch):
     truth = make_campaign(2002, ["bouncing"], tmp_path)
     monkeypatch.setattr(
-        rounds, "all_candidates", lambda model: tuple(c for c in all_candidates(model) if c.effect in RIVALS)
+        searching, "all_candidates", lambda model: tuple(c for c in all_candidates(model) if c.effect in RIVALS)
     )
     finding = closing.close(read(tmp_path / "campaign"), g=G)
     # Corners of the laboratory creep under friction, which takes energy as damping does: that may come along.

@@ -13,7 +13,7 @@ import pytest
 from studies.campaigns import DeclaredBlock, read
 from studies.laboratory.campaign import make_campaign
 from studies.laboratory.parameters import G
-from studies.loop import closing, rounds, whole_records
+from studies.loop import closing, searching, whole_records
 from studies.loop.candidates import candidates
 from studies.loop.model import LoopModel
 from studies.loop.tracing import Trial, all_candidates
@@ -26,7 +26,7 @@ RIVALS = {"compliant_base", "sliding", "base_tilt", "viscous_damping", "base_mot
 def test_a_stiff_floor_is_found(tmp_path, monkeypatch):
     truth = make_campaign(2001, ["compliant_base"], tmp_path)
     monkeypatch.setattr(
-        rounds, "all_candidates", lambda model: tuple(c for c in all_candidates(model) if c.effect in RIVALS)
+        searching, "all_candidates", lambda model: tuple(c for c in all_candidates(model) if c.effect in RIVALS)
     )
     finding = closing.close(read(tmp_path / "campaign"), g=G)
     assert finding.verdict == "effect" and finding.chosen.effects == ("compliant_base",)
@@ -83,7 +83,7 @@ def test_friction_that_gives_way_is_found_in_whole_records(seed, tmp_path, monke
     """It acts in few of the swings, and these begin with a slip that nobody knows."""
     truth = make_campaign(seed, ["sliding"], tmp_path)
     monkeypatch.setattr(
-        rounds, "all_candidates", lambda model: tuple(c for c in all_candidates(model) if c.effect in RIVALS)
+        searching, "all_candidates", lambda model: tuple(c for c in all_candidates(model) if c.effect in RIVALS)
     )
     finding = closing.close(read(tmp_path / "campaign"), g=G)
     assert finding.verdict == "effect" and finding.chosen.effects == ("sliding",)
