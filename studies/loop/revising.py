@@ -141,7 +141,7 @@ def without_needless(
         return None
     (gone,) = set(stands.trial.names) - set(shorter.trial.names)
     sources = [
-        next(r for r in rounds if any(r.added(t).name == part.name for t in r.trials)) for part in shorter.trial.parts
+        next(r for r in rounds if any(r.added(t).name == part.name for t, _ in r.tried)) for part in shorter.trial.parts
     ]
     if len(sources) > 1:
         found = revised(setup, plain, shorter.trial, shorter.whole, sources, tell)
