@@ -45,12 +45,20 @@ class Parameters(NamedTuple):
     hooks: Any  # Hooks
 
 
-def added(theta: Any, omega: Any, s: Any, base: Base, par: Parameters) -> Any:
+def added(theta: Any, omega: Any, s: Any, base: Base, par: Any) -> Any:
     """Angular acceleration [rad/s^2] that the effects add."""
     total = 0.0
     for i in range(par.hooks.pushing):
         total = total + par.hooks.accelerations[i](theta, omega, s, base, par.hooks.values[i])
     return total
+
+
+def changed(xp: Any, e: Any, omega: Any, s: Any, par: Any) -> Any:
+    """Restitution [1] of an impact at which the side s hands over, with the say of the effects."""
+    slots = len(par.hooks.restitutions)
+    for i in range(par.hooks.striking):
+        e = par.hooks.restitutions[i](e, omega, s, par.hooks.values[slots + i])
+    return e
 
 
 def moment(xp: Any, theta: Any, omega: Any, s: Any, base: Base, par: Parameters) -> tuple[Any, Any]:
@@ -98,10 +106,7 @@ def guards_with(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters, pushi
 
 def _after(xp: Any, omega: Any, s: Any, par: Parameters, more: Any) -> Any:
     """Angular velocity after the impact at which the side s hands over; the restitution stays within 0 and 1."""
-    e = xp.where(s > 0.0, par.e_right, par.e_left) + more
-    slots = len(par.hooks.restitutions)
-    for i in range(par.hooks.striking):
-        e = par.hooks.restitutions[i](e, omega, s, par.hooks.values[slots + i])
+    e = changed(xp, xp.where(s > 0.0, par.e_right, par.e_left) + more, omega, s, par)
     return xp.minimum(xp.maximum(e, 0.0), 1.0) * omega
 
 
@@ -160,11 +165,7 @@ class ComposedMethod1:
     def __post_init__(self) -> None:
         if self.method.form != "nonlinear":
             raise ValueError(f"form={self.method.form!r}: effects on the equations want the nonlinear Method 1")
-        if max(self.restitutions) > 1.0:
-            raise ValueError(
-                f"restitution={self.method.restitution!r}: with the centre of mass {self.form.offset:.4g} m off the "
-                f"middle one side would have {max(self.restitutions):.4g}; want a smaller one, since 1 loses nothing"
-            )
+        self.form.restitutions(self.method.restitution)
 
     @property
     def block(self) -> Any:
@@ -178,19 +179,8 @@ class ComposedMethod1:
 
     @property
     def restitutions(self) -> tuple[float, float]:
-        """Restitution of eq. (4) when the +x and when the -x edge hands over [1].
-
-        A given one is what was measured: their geometric mean, the two apart as the form would have them.  Where that
-        of the form is below zero the block lands on both edges and stops.
-        """
-        right, left = self.form.restitution(1.0), self.form.restitution(-1.0)
-        given = self.method.restitution
-        if given is None:
-            return max(right, 0.0), max(left, 0.0)
-        if right <= 0.0 or left <= 0.0:
-            return given, given
-        apart = math.sqrt(right / left)
-        return given * apart, given / apart
+        """Restitution of eq. (4) when the +x and when the -x edge hands over [1]."""
+        return self.form.restitutions(self.method.restitution)
 
     @property
     def theta_c(self) -> float:

@@ -102,10 +102,11 @@ class Effect:
         """The form with the effect in it."""
         return form
 
-    def modes(self, method: Method1 | Method2) -> System:
+    def modes(self, method: Method1 | Method2, form: Form | None) -> Method2:
         """The block under a method that has the effect's modes; an effect that acts on none is not asked.
 
         method: Method 1, or the Method 2 that another effect on the modes has made of it.
+        form: shape and mass of the block with the effects on these, None where there are none.
         """
         raise ValueError(f"{self.name}: it acts in the ways {sorted(self.ways())}, not on the modes")
 

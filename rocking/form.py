@@ -96,6 +96,35 @@ class Form:
         momentum = self.rho2 + self.mass_height**2 + self.offset**2 - self.half_breadth**2
         return momentum / self.angular_inertia(-s)
 
+    @property
+    def least_restitution(self) -> float:
+        """Geometric mean of both sides' restitution [1], below which corners would pull; 0 where one is below 0."""
+        right, left = self.restitution(1.0), self.restitution(-1.0)
+        return math.sqrt(right * left) if right > 0.0 and left > 0.0 else 0.0
+
+    def restitutions(self, given: float | None) -> tuple[float, float]:
+        """Restitution of eq. (4) when the +x and when the -x edge hands over [1].
+
+        A given one is what was measured: their geometric mean, the two apart as the form would have them.  Where that
+        of the form is below zero the block lands on both edges and stops.
+
+        Raises:
+            ValueError: one of the two would be above 1.
+        """
+        right, left = self.restitution(1.0), self.restitution(-1.0)
+        if given is None:
+            return max(right, 0.0), max(left, 0.0)
+        if right <= 0.0 or left <= 0.0:
+            return given, given
+        apart = math.sqrt(right / left)
+        both = given * apart, given / apart
+        if max(both) > 1.0:
+            raise ValueError(
+                f"restitution={given!r}: with the centre of mass {self.offset:.4g} m off the middle one side would "
+                f"have {max(both):.4g}; want a smaller one, since 1 loses nothing"
+            )
+        return both
+
 
 def levers(xp: Any, phi: Any, a: Any, r: Any, q: Any, H: Any) -> tuple[Any, Any, Any, Any]:
     """(x, z, x', z') [m] of the centre of mass in the mirrored frame; H is its height less r."""

@@ -1,4 +1,4 @@
-"""Impulses between a rectangular block and the floor, per unit mass.
+"""Impulses between a block and the floor, per unit mass.
 
 The block touches at the corner r = (r_x, r_z) from its centre of mass; the corner arrives with the tangential
 velocity u and the normal velocity v < 0.  An impulse (P_x, P_z) there changes the velocities of the centre of mass by
@@ -60,61 +60,89 @@ def after_impulse(
 
 
 def two_corner_impact(
-    xp: Any, s: Any, u: Any, omega: Any, b: Any, h: Any, rho2: Any, mu: Any, share: Any, ratio_kept: Any
+    xp: Any, s: Any, u: Any, omega: Any, a: Any, o: Any, H: Any, rho2: Any, mu: Any, e: Any, ratio_kept: Any
 ) -> tuple[Any, Any]:
     """(u, omega) after a plastic rocking impact on corner s that both corners of an upright block share.
 
-    The old corner takes `share` of the normal impulse, which gives the block's restitution where the base does not
-    slide.  Where it slides with u, friction adds to the moment: with `ratio_kept` = 0 the normal impulse stays where it
-    is, with 1 the ratio of angular velocities stays, and the impulse moves; linear in between.  No corner is pulled,
-    and normal forces do no work on the block on the whole, so that energy never grows.
+    The block stands on 2 a, its centre of mass is at a height H and o to the +x side of the middle.  The corners share
+    the normal impulse so that omega is multiplied by e where the base does not slide.  Where it slides with u, friction
+    adds to the moment: with `ratio_kept` = 0 the normal impulse stays where it is, with 1 the ratio of angular
+    velocities stays, and the impulse moves; linear in between.  No corner is pulled, and normal forces do no work on
+    the block on the whole, so that energy never grows; an e beyond that is not reached.
     """
     w, U = s * omega, s * u  # turning onto corner s is positive, and so is slip to its side
+    off = s * o
+    q = a - off  # arm of the new corner
     rough = mu == math.inf
     finite_mu = xp.where(rough, 1.0, mu)
 
     def friction(loss: Any) -> tuple[Any, Any, Any]:
         """(impulse, whether it stops the slip, impulse that stops it) where the speed of rotation loses so much."""
-        needed = -U - 0.5 * h * loss
-        most = 0.5 * finite_mu * b * (2.0 * w - loss)
+        needed = -U - H * loss
+        most = finite_mu * (2.0 * a * w - q * loss)
         sticks = rough | (xp.abs(needed) <= most)
         return xp.where(sticks, needed, xp.where(needed < 0.0, -most, most)), sticks, needed
 
-    def loss_at(speed: Any, less: Any) -> Any:
-        """Loss with the new corner's normal impulse beyond the old one's by (b/2)(2 speed w - less loss)."""
-        stopped = (0.5 * speed * b * b * w - 0.5 * h * U) / (rho2 + 0.25 * (less * b * b + h * h))
+    def loss_at(arm: Any) -> Any:
+        """Loss with the normal impulse at that place, from the centre of mass to the new corner [m]."""
+        stopped = (2.0 * a * arm * w - H * U) / (rho2 + H * H + arm * q)
         _, sticks, needed = friction(stopped)
-        arm = xp.where(needed < 0.0, -finite_mu, finite_mu) * h
-        inertia = rho2 + 0.25 * (less * b + arm) * b  # positive unless friction stops the slip
-        slid = 0.5 * (speed * b + arm) * b * w / xp.where(inertia > 0.0, inertia, 1.0)
+        lever = arm + xp.where(needed < 0.0, -finite_mu, finite_mu) * H
+        inertia = rho2 + lever * q  # positive unless friction stops the slip
+        slid = 2.0 * a * lever * w / xp.where(inertia > 0.0, inertia, 1.0)
         return xp.where(sticks, stopped, slid)
 
-    least, most = loss_at(0.0, 1.0), loss_at(1.0, 1.0)  # no work of normal forces; all at the new corner
-    apart = 1.0 - 2.0 * share
-    k = apart * b * b / (4.0 * rho2 + h * h)
-    loss = (1.0 - ratio_kept) * loss_at(apart, apart) + ratio_kept * (2.0 * k / (1.0 + k) * w)
+    def lossless() -> Any:
+        """Loss at which normal forces do no work: what the old corner gains as it rises, the new one loses.
+
+        Of a block that is off its middle and sticks, friction may do work then; the loss leaves no energy of it.
+        """
+        inertia, more = rho2 + H * H + q * q, -4.0 * a * off * w * w
+        stopped = smaller_root(xp, inertia, -H * U, more - 2.0 * H * U * w, w)
+        in_all = smaller_root(xp, inertia, 0.0, more - 2.0 * H * U * w - U * U, w)
+        stopped = xp.where(in_all > stopped, in_all, stopped)
+        _, sticks, needed = friction(stopped)
+        arm = xp.where(needed < 0.0, -finite_mu, finite_mu) * H
+        inertia = rho2 + (arm + q) * q
+        slid = smaller_root(
+            xp, xp.where(inertia > 0.0, inertia, 1.0), 2.0 * a * arm * w, 4.0 * a * w * w * (arm - off), w
+        )
+        return xp.where(sticks, stopped, slid)
+
+    least, most = lossless(), loss_at(q)  # all at the new corner
+    place = (1.0 - e) * (rho2 + H * H) / (2.0 * a - (1.0 - e) * q)
+    loss = (1.0 - ratio_kept) * loss_at(place) + ratio_kept * (1.0 - e) * w
     loss = xp.where(loss < least, least, xp.where(loss > most, most, loss))
     P_x, sticks, _ = friction(loss)
-    return xp.where(sticks, 0.0, s * (U + P_x + 0.5 * h * loss)), s * (w - loss)
+    return xp.where(sticks, 0.0, s * (U + P_x + H * loss)), s * (w - loss)
+
+
+def smaller_root(xp: Any, A: Any, B: Any, at_zero: Any, w: Any) -> Any:
+    """The root L nearer to zero of A (w - L)^2 + B (w - L) + C, of which the value at L = 0 is given; A > 0."""
+    half = 0.5 * (2.0 * A * w + B)
+    root = xp.sqrt(xp.maximum(half * half - A * at_zero, 0.0))
+    whole = half + root
+    return xp.where(whole > 0.0, at_zero / xp.where(whole > 0.0, whole, 1.0), 0.0)
 
 
 def flat_impact(
-    xp: Any, u: Any, v: Any, omega: Any, b: Any, h: Any, rho2: Any, mu: Any, e_n: Any, e_t: Any
+    xp: Any, u: Any, v: Any, omega: Any, a: Any, o: Any, H: Any, rho2: Any, mu: Any, e_n: Any, e_t: Any
 ) -> tuple[Any, Any, Any, Any, Any]:
     """(u, v, omega, P_plus, P_minus) after both corners of an upright block have landed at once.
 
-    u is the horizontal velocity of the base, v and omega those of the centre of mass and of the block.  A negative
-    P_plus or P_minus (normal impulse at the +x, -x corner) says that the floor would have to pull there.
+    u is the horizontal velocity of the base, v and omega those of the centre of mass and of the block; a, o and H as
+    of `two_corner_impact`.  A negative P_plus or P_minus (normal impulse at the +x, -x corner) says that the floor
+    would have to pull there.
     """
     P_n = -(1.0 + e_n) * v
-    x_dot = u + 0.5 * h * omega
+    x_dot = u + H * omega
     x_speed = xp.abs(x_dot)
     wanted = (1.0 + e_t) * x_speed
     # min() written with where: an infinite mu times a P_n of zero must not decide.
     held = (P_n > 0.0) & (wanted <= mu * P_n)
     taken = xp.where(held, wanted, xp.where(P_n > 0.0, xp.where(held, 0.0, mu), 0.0) * P_n)
     P_x = xp.where(x_dot > 0.0, -taken, taken)
-    difference = (2.0 / b) * ((1.0 + e_n) * rho2 * omega - 0.5 * h * P_x)
+    difference = ((1.0 + e_n) * rho2 * omega - H * P_x + o * P_n) / a
     omega_after = -e_n * omega
-    u_after = x_dot + P_x - 0.5 * h * omega_after
+    u_after = x_dot + P_x - H * omega_after
     return u_after, -e_n * v, omega_after, 0.5 * (P_n + difference), 0.5 * (P_n - difference)

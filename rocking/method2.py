@@ -13,12 +13,16 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
 
+import numpy as np
+
 from rocking.block import G_STANDARD, Block
+from rocking.form import Form, levers
 from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, SLIDE, SLIDE_ROTATION, TRANSLATION_JUMP, Anchor, Discrete
 from rocking.method2_equations import (
     FRICTIONAL,
     KINEMATIC,
     TWO_CORNER,
+    WITHIN,
     Parameters,
     balance,
     flow,
@@ -37,25 +41,8 @@ KINEMATIC_CHI = 0.36
 """Largest value over all tilts of 9 s^2 c^2 / ((1 + 3 s^2)(1 + 3 c^2)), s, c = sin, cos psi, at psi = pi/4."""
 
 
-def two_corner_share(block: Block, restitution: float) -> float:
-    """Share of a rocking impact's normal impulse at the old corner that gives `restitution`, eq. (4).
-
-        share = 1/2 - (1 - e) / (2 kappa (1 + e)),  kappa = 3 b^2 / (b^2 + 4 h^2)
-
-    Own derivation (plastic impact that sticks).  Zero gives Housner's restitution, one half gives 1.
-
-    Raises:
-        ValueError: e is above 1 or below Housner's (below 0 where that is negative): the old corner would have to be
-            pulled down, so a greater loss is an effect of another kind.
-    """
-    low = max(block.housner_restitution, 0.0)
-    if not low <= restitution <= 1.0:
-        raise ValueError(
-            f"restitution={restitution!r}: want {low:.6g} (Housner's for b/h={block.b / block.h:.4g}) to 1 for the "
-            "two-corner impact; a smaller one would need a corner that pulls"
-        )
-    kappa = 3.0 * block.b**2 / (block.b**2 + 4.0 * block.h**2)
-    return 0.5 - (1.0 - restitution) / (2.0 * kappa * (1.0 + restitution))
+TILTS = np.linspace(0.0, 0.5 * math.pi, 721)
+"""Tilts [rad] at which a sliding corner of a form that is no rectangle is looked at for jamming."""
 
 
 @dataclass(frozen=True)
@@ -78,10 +65,11 @@ class Method2:
         chatter_time: a series of bounces that would end within this time [s] is finished at once.
         ratio_kept: what impacts of a sliding base keep [1], for "two_corner": 0 the place of the normal impulse, 1 the
             ratio of angular velocities, as far as corners push and no energy is made; linear in between.
+        form: shape and mass where the block is no uniform rectangle with sharp edges.
 
     Raises:
         ValueError: an argument is out of its range; the kinematic pair (e_n, e_t) would create energy at some tilt;
-            friction is too low for the restitution of "two_corner".
+            friction is too low for the restitution of "two_corner"; a sliding corner of the form may jam.
     """
 
     block: Block
@@ -95,11 +83,12 @@ class Method2:
     rest_speed: float = 1e-6
     chatter_time: float = 1e-5
     ratio_kept: float = 0.0
+    form: Form | None = None
 
     name = "method2"
     state_names = ("x", "z", "theta", "u", "v", "omega")
     guard_names = ("fall", "landing", "contact", "slip", "stick", "lift", "tip")
-    carries_pitch = False
+    carries_pitch = True
     inadmissible_reason = (
         "friction without limit would have to pull the corner down: no mode is admissible (want a finite friction)"
     )
@@ -114,10 +103,9 @@ class Method2:
         within("friction", self.friction, 0.0, math.inf)
         if self.kinetic_friction is not None:
             within("kinetic_friction", self.kinetic_friction, 0.0, self.friction)
-        if JAMMING_FRICTION <= self.mu_k < math.inf:
-            raise ValueError(
-                f"friction={self.mu_k!r} (kinetic): want below 4/3, where a sliding corner may jam, or math.inf"
-            )
+        if self.form is not None and not isinstance(self.form, Form):
+            raise ValueError(f"form={self.form!r}: want a rocking.form.Form, or None for the rectangle of the block")
+        self._check_jamming()
         within("normal_restitution", self.normal_restitution, 0.0, 1.0)
         within("tangential_restitution", self.tangential_restitution, -1.0, 1.0)
         positive("g", self.g, "m/s^2")
@@ -139,6 +127,27 @@ class Method2:
                 f"restitution={self.restitution!r}: want impact_law='two_corner' with it, not {self.impact_law!r}"
             )
 
+    def _check_jamming(self) -> None:
+        if self.mu_k == math.inf:
+            return
+        if self.form is None:
+            if self.mu_k >= JAMMING_FRICTION:
+                raise ValueError(
+                    f"friction={self.mu_k!r} (kinetic): want below 4/3, where a sliding corner may jam, or math.inf"
+                )
+            return
+        form = self.form
+        for s in (1.0, -1.0):
+            # In the worse of both directions of slip.
+            _, _, up, across = levers(
+                np, TILTS, form.half_breadth, form.edge_radius, form.half_breadth - s * form.offset,
+                form.mass_height - form.edge_radius,
+            )  # fmt: skip
+            if np.any(form.rho2 + across**2 - self.mu_k * up * np.abs(across) <= 0.0):
+                raise ValueError(
+                    f"friction={self.mu_k!r} (kinetic): want less, a sliding corner of {form} may jam, or math.inf"
+                )
+
     def _check_kinematic_energy(self) -> None:
         e_n, e_t = self.normal_restitution, self.tangential_restitution
         if (1.0 - e_n**2) * (1.0 - e_t**2) < KINEMATIC_CHI * (1.0 - e_n * e_t) ** 2:
@@ -150,14 +159,26 @@ class Method2:
     def _check_two_corner(self) -> None:
         if self.restitution is None:
             raise ValueError("restitution=None: want a number with impact_law='two_corner'")
-        two_corner_share(self.block, self.restitution)
-        e = self.restitution
-        needed = self.block.h / self.block.b * (1.0 - e) / (1.0 + e)
-        if self.mu_k < needed:
+        form, e = self.shape, self.restitution
+        low = form.least_restitution
+        if not low * (1.0 - 1e-12) <= e <= 1.0:
             raise ValueError(
-                f"friction={self.mu_k!r} (kinetic): want at least {needed:.6g}, or the corner slips in the impact and "
-                f"restitution={e!r} cannot be had"
+                f"restitution={e!r}: want {low:.6g} (Housner's for b/h={self.block.b / self.block.h:.4g}) to 1 for the "
+                "two-corner impact; a smaller one would need a corner that pulls"
             )
+        for s, given in zip((1.0, -1.0), form.restitutions(e), strict=True):
+            arm = form.half_breadth + s * form.offset  # of the corner that takes over
+            needed = form.mass_height * (1.0 - given) / (2.0 * form.half_breadth - (1.0 - given) * arm)
+            if self.mu_k < needed:
+                raise ValueError(
+                    f"friction={self.mu_k!r} (kinetic): want at least {needed:.6g}, or the corner slips in the impact "
+                    f"and restitution={e!r} cannot be had"
+                )
+
+    @property
+    def shape(self) -> Form:
+        """The form that is given, else the uniform rectangle with sharp edges."""
+        return Form.of(self.block) if self.form is None else self.form
 
     @property
     def mu_k(self) -> float:
@@ -166,30 +187,34 @@ class Method2:
 
     @property
     def theta_c(self) -> float:
-        """Tilt of unstable balance [rad]."""
-        return self.block.alpha
+        """Tilt of unstable balance [rad], the smaller of the two."""
+        return min(self.shape.theta_c(1.0), self.shape.theta_c(-1.0))
 
     @cached_property
     def parameters(self) -> Parameters:
         """The numbers that the equations take."""
-        block = self.block
-        share = 0.0 if self.restitution is None else two_corner_share(block, self.restitution)
+        form = self.shape
+        right, left = form.restitutions(self.restitution)
         return Parameters(
-            b=float(block.b),
-            h=float(block.h),
-            R=block.R,
-            alpha=block.alpha,
-            rho2=block.I_c / block.mass,
+            a=float(form.half_breadth),
+            r=float(form.edge_radius),
+            o=float(form.offset),
+            H=float(form.mass_height),
+            rho2=form.rho2,
             g=float(self.g),
+            hold=form.adhesion / form.mass,
             mu_s=float(self.friction),
             mu_k=float(self.mu_k),
             e_n=float(self.normal_restitution),
             e_t=float(self.tangential_restitution),
             law=float(IMPACT_LAWS[self.impact_law]),
-            share=share,
+            e_right=right,
+            e_left=left,
             ratio_kept=float(self.ratio_kept),
-            omega_rest=self.rest_speed * block.p(self.g),
+            omega_rest=self.rest_speed * self.block.p(self.g),
             chatter_time=float(self.chatter_time),
+            balance_right=form.theta_c(1.0),
+            balance_left=form.theta_c(-1.0),
         )
 
     def initial_state(
@@ -211,12 +236,14 @@ class Method2:
         leans = theta if theta != 0.0 else omega
         # An upright block that slides carries, once it trips, on the corner that leads.
         s = -1.0 if (leans if leans != 0.0 else u) < 0.0 else 1.0
-        y = (x + s * 0.5 * self.block.b, float(z), float(theta), float(u), float(v), float(omega))
+        y = (x + s * self.shape.half_breadth, float(z), float(theta), float(u), float(v), float(omega))
         return y, Discrete(self._initial_mode(y, leans), s, -1.0 if u < 0.0 else 1.0)
 
     def anchor(self, y: Any, rate: Any, s: Any) -> Anchor:
-        """The carrying corner."""
-        return Anchor(s * 0.5 * self.block.b, 0.0, y[0], y[1], rate[3], rate[4])
+        """The carrying corner, or the centre of the edge on which the block rolls."""
+        form = self.shape
+        r = form.edge_radius
+        return Anchor(s * form.half_breadth, r, y[0] + r * y[2], y[1] + r, rate[3] + r * rate[5], rate[4])
 
     def _initial_mode(self, y: tuple[float, ...], leans: float) -> int:
         _, z, _, u, v, omega = y
@@ -227,7 +254,9 @@ class Method2:
         if leans == 0.0:
             if u == 0.0:
                 return REST
-            return SLIDE if self.mu_k <= self.block.b / self.block.h else SLIDE_ROTATION
+            form = self.shape
+            arm = form.half_breadth - math.copysign(1.0, u) * form.offset
+            return SLIDE if self.mu_k * form.mass_height <= arm * (1.0 + WITHIN) else SLIDE_ROTATION
         if u == 0.0 or self.friction == math.inf:
             return ROTATION
         return SLIDE_ROTATION

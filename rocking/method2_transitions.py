@@ -12,6 +12,7 @@ Status   a series of bounces that would end within `chatter_time` is finished at
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from rocking.hybrid import (
@@ -35,9 +36,15 @@ from rocking.method2_equations import (
     STICK,
     TIP,
     TWO_CORNER,
-    Parameters,
+    WITHIN,
+    Felt,
+    Turning,
     corner_arm,
+    feel,
+    nothing_turns,
     sliding_row,
+    standing_couples,
+    standing_margins,
     sticking_row,
 )
 
@@ -46,6 +53,10 @@ FLAT = 1e-12
 
 SNAP = 1e-13
 """A velocity left after an impact that is this small against those before it is rounding, and zero."""
+
+
+Striking = Callable[..., Any]
+"""(xp, e, omega, s, par) -> restitution of a rocking impact at which side s hands over, of TWO_CORNER."""
 
 
 class Touch(NamedTuple):
@@ -58,6 +69,11 @@ class Touch(NamedTuple):
     omega: Any  # [rad/s]
     mode: Any
     slip: Any
+
+
+def as_it_is(xp: Any, e: Any, omega: Any, s: Any, par: Any) -> Any:
+    """The `Striking` of a block without effects."""
+    return e
 
 
 def choose(xp: Any, condition: Any, yes: Touch, no: Touch) -> Touch:
@@ -73,47 +89,57 @@ def choose(xp: Any, condition: Any, yes: Touch, no: Touch) -> Touch:
     )
 
 
-def upright(xp: Any, u: Any, base: Base, par: Parameters, gave_way: Any, tipped: Any) -> Touch:
+def upright(xp: Any, u: Any, felt: Felt, par: Any, gave_way: Any, tipped: Any, turning: Turning) -> Touch:
     """What a block does that stands on both corners and moves with u [m/s].
 
     gave_way: rest has just ended, so that it is no candidate although the threshold still reads equal; tipped: it was
-    West's formula that ended it.
+    by turning over a corner that rest or slide ended.
     """
-    G = par.g + base.a_z
-    push_size = xp.abs(base.a_x)
-    push = xp.where(base.a_x > 0.0, -1.0, 1.0)
+    A_x, A_z = felt.A_x, felt.A_z
     still = u == 0.0
-    slip = xp.where(still, push, xp.where(u > 0.0, 1.0, -1.0))
-    friction_holds = (par.mu_s == math.inf) | (push_size <= par.mu_s * G)
-    stable = push_size <= par.b / par.h * G
-    stands = still & (gave_way == 0.0) & friction_holds & stable
-    tips = still & ((tipped > 0.0) | (push_size > par.b / par.h * G))
-    _, F, N = sticking_row(xp, 0.0, 0.0, push, base, par)
+    slip = xp.where(still, xp.where(A_x > 0.0, -1.0, 1.0), xp.where(u > 0.0, 1.0, -1.0))
+    right, left = standing_couples(xp, felt, par, turning)
+    over_right, over_left = standing_margins(A_x, felt, par, right, left)
+    side = xp.where(over_right < over_left, 1.0, -1.0)
+    margin = xp.minimum(over_right, over_left) + par.hold
+    friction_holds = (par.mu_s == math.inf) | (xp.abs(A_x) <= par.mu_s * A_z)
+    stands = still & (gave_way == 0.0) & friction_holds & (margin >= 0.0)
+    tips = still & ((tipped > 0.0) | (margin < 0.0))
+    _, F, N = sticking_row(xp, 0.0, 0.0, side, felt, par, turning)
     corner_holds = (par.mu_s == math.inf) | (xp.abs(F) <= par.mu_s * N)
-    # Sliding on both corners needs the normal force inside the base: mu_k <= b/h, whatever the base does.
-    sliding = xp.where(par.mu_k <= par.b / par.h, SLIDE, SLIDE_ROTATION)
-    mode = xp.where(tips & corner_holds, ROTATION, sliding)
+    # Sliding on both corners needs the normal force inside the base: mu_k <= b/h for a rectangle, whatever the base
+    # does.
+    mu = xp.where(par.mu_k < math.inf, par.mu_k, 0.0)
+    over_right, over_left = standing_margins(-slip * mu * A_z, felt, par, right, left)
+    trip = xp.where(over_right < over_left, 1.0, -1.0)
+    flat = xp.minimum(over_right, over_left) >= -WITHIN * par.a * A_z
+    flat = flat & (par.mu_k < math.inf) & (still | (tipped == 0.0))
+    mode = xp.where(flat, SLIDE, SLIDE_ROTATION)
+    mode = xp.where(tips & corner_holds, ROTATION, mode)
     mode = xp.where(stands, REST, mode)
-    mode = xp.where(G > 0.0, mode, TRANSLATION_JUMP)
-    return Touch(slip, 0.0, u, 0.0, 0.0, mode, slip)
+    mode = xp.where(A_z > 0.0, mode, TRANSLATION_JUMP)
+    s = xp.where(mode == ROTATION, side, xp.where(mode == SLIDE_ROTATION, trip, slip))
+    return Touch(s, 0.0, u, 0.0, 0.0, mode, slip)
 
 
-def carried(xp: Any, s: Any, theta: Any, u: Any, omega: Any, base: Base, par: Parameters, gave_way: Any) -> Touch:
+def carried(
+    xp: Any, s: Any, theta: Any, u: Any, omega: Any, felt: Felt, par: Any, gave_way: Any, turning: Turning
+) -> Touch:
     """What a block does that stands on corner s alone, which moves with u [m/s] along the floor.
 
     gave_way: sticking has just ended and is no candidate.
     """
-    _, F, N = sticking_row(xp, theta, omega, s, base, par)
+    _, F, N = sticking_row(xp, theta, omega, s, felt, par, turning)
     rough = par.mu_s == math.inf
     still = u == 0.0
     slip = xp.where(still, xp.where(F > 0.0, -1.0, 1.0), xp.where(u > 0.0, 1.0, -1.0))
     friction_holds = rough | (xp.abs(F) <= par.mu_s * N)
     sticks = still & (gave_way == 0.0) & (N > 0.0) & friction_holds
-    _, _, N_slide = sliding_row(xp, theta, omega, s, slip, base, par)
+    _, _, N_slide = sliding_row(xp, theta, omega, s, slip, felt, par, turning)
     flying = xp.where(omega == 0.0, TRANSLATION_JUMP, ROTATION_JUMP)
     # With friction without limit, a corner that must not pull and cannot leave has no admissible motion.
     _, r_z = corner_arm(xp, theta, s, par)
-    presses = par.g + base.a_z + r_z * omega * omega > 1e-9 * par.g
+    presses = felt.A_z + (r_z + par.r) * omega * omega > 1e-9 * par.g
     mode = xp.where(N_slide > 0.0, SLIDE_ROTATION, flying)
     mode = xp.where(rough, xp.where(presses, INADMISSIBLE, flying), mode)
     mode = xp.where(sticks, ROTATION, mode)
@@ -121,21 +147,24 @@ def carried(xp: Any, s: Any, theta: Any, u: Any, omega: Any, base: Base, par: Pa
 
 
 def corner_landing(
-    xp: Any, s: Any, theta: Any, u: Any, v: Any, omega: Any, base: Base, par: Parameters, rocks: Any
-) -> Touch:
+    xp: Any, s: Any, theta: Any, u: Any, v: Any, omega: Any, felt: Felt, par: Any, rocks: Any, turning: Turning,
+    striking: Striking,
+) -> Touch:  # fmt: skip
     """Corner s lands with (u, v) while the block tilts by theta; what follows if the other one does not take part."""
     r_x, r_z = corner_arm(xp, theta, s, par)
     kinematic = par.law == KINEMATIC
     P_x, P_z = corner_impulse(xp, r_x, r_z, u, v, par.rho2, par.mu_k, par.e_n, par.e_t, kinematic)
     u_up, v_up, omega_up = after_impulse(r_x, r_z, u, v, omega, P_x, P_z, par.rho2)
-    gravity = par.g + base.a_z + r_z * omega_up * omega_up
+    gravity = felt.A_z + (r_z + par.r) * omega_up * omega_up
     ends = 2.0 * v_up <= par.chatter_time * gravity * (1.0 - par.e_n)
 
     P_x, P_z = corner_impulse(xp, r_x, r_z, u, v, par.rho2, par.mu_k, 0.0, par.e_t, kinematic)
     u_down, _, omega_down = after_impulse(r_x, r_z, u, v, omega, P_x, P_z, par.rho2)
     shared = rocks & (par.law == TWO_CORNER)
+    e = striking(xp, xp.where(s > 0.0, par.e_left, par.e_right), omega, -s, par)
+    e = xp.minimum(xp.maximum(e, 0.0), 1.0)
     u_two, omega_two = two_corner_impact(
-        xp, s, u, omega, par.b, par.h, par.rho2, par.mu_k, par.share, par.ratio_kept
+        xp, s, u, omega, par.a, par.o, par.H, par.rho2, par.mu_k, e, par.ratio_kept
     )  # fmt: skip
     u_down, omega_down = xp.where(shared, u_two, u_down), xp.where(shared, omega_two, omega_down)
     u_down = xp.where(xp.abs(u_down) <= SNAP * (xp.abs(u) + xp.abs(v)), 0.0, u_down)
@@ -143,87 +172,103 @@ def corner_landing(
     stays = shared | (par.e_n == 0.0) | ends
     last = rocks & (xp.abs(omega_down) < par.omega_rest)
     # Brought upright without an impulse along the floor, the block moves on as its centre of mass did.
-    u_flat = u_down + 0.5 * par.h * omega_down
-    u_flat = xp.where(xp.abs(u_flat) < par.omega_rest * par.h, 0.0, u_flat)
+    u_flat = u_down + par.H * omega_down
+    u_flat = xp.where(xp.abs(u_flat) < par.omega_rest * 2.0 * par.H, 0.0, u_flat)
     down = choose(
         xp,
         last,
-        upright(xp, u_flat, base, par, 0.0, 0.0),
-        carried(xp, s, theta, u_down, omega_down, base, par, 0.0),
+        upright(xp, u_flat, felt, par, 0.0, 0.0, turning),
+        carried(xp, s, theta, u_down, omega_down, felt, par, 0.0, turning),
     )
     up = Touch(s, theta, u_up, v_up, omega_up, ROTATION_JUMP, 1.0)
     return choose(xp, stays, down, up)
 
 
-def flat_landing(xp: Any, s: Any, u: Any, v: Any, omega: Any, base: Base, par: Parameters, rocks: Any) -> Touch:
+def flat_landing(
+    xp: Any, s: Any, u: Any, v: Any, omega: Any, felt: Felt, par: Any, rocks: Any, turning: Turning,
+    striking: Striking,
+) -> Touch:  # fmt: skip
     """Both corners of an upright block land, corner s with (u, v); trips over one of them if the other had to pull."""
-    r_x = s * 0.5 * par.b
+    v_centre = v + omega * (s * par.a - par.o)
     u_1, v_1, omega_1, P_plus, P_minus = flat_impact(
-        xp, u, v + omega * r_x, omega, par.b, par.h, par.rho2, par.mu_k, par.e_n, par.e_t
+        xp, u, v_centre, omega, par.a, par.o, par.H, par.rho2, par.mu_k, par.e_n, par.e_t
     )
     u_1 = xp.where(xp.abs(u_1) <= SNAP * (xp.abs(u) + xp.abs(v)), 0.0, u_1)
     trip = xp.where(P_plus < 0.0, -1.0, 1.0)
     # Velocity of the corner over which the block trips, from that of corner s.
-    v_trip = v + 0.5 * par.b * omega * (s - trip)
-    tripping = corner_landing(xp, trip, 0.0, u, xp.where(v_trip < 0.0, v_trip, 0.0), omega, base, par, False)
+    v_trip = v + par.a * omega * (s - trip)
+    v_trip = xp.where(v_trip < 0.0, v_trip, 0.0)
+    tripping = corner_landing(xp, trip, 0.0, u, v_trip, omega, felt, par, False, turning, striking)
 
-    ends = 2.0 * v_1 <= par.chatter_time * (par.g + base.a_z) * (1.0 - par.e_n)
+    ends = 2.0 * v_1 <= par.chatter_time * felt.A_z * (1.0 - par.e_n)
     lower = xp.where(omega_1 > 0.0, 1.0, -1.0)
-    v_lower = v_1 - omega_1 * lower * 0.5 * par.b
+    v_lower = v_1 - omega_1 * (lower * par.a - par.o)
     stays = v_lower <= FLAT
     mode = xp.where(omega_1 == 0.0, TRANSLATION_JUMP, ROTATION_JUMP)
     bouncing = Touch(lower, 0.0, u_1, v_lower, omega_1, mode, 1.0)
-    rolling = carried(xp, lower, 0.0, u_1, omega_1, base, par, 0.0)
+    rolling = carried(xp, lower, 0.0, u_1, omega_1, felt, par, 0.0, turning)
     after = choose(xp, stays & (omega_1 != 0.0), rolling, bouncing)
-    u_0, _, _, _, _ = flat_impact(xp, u, v + omega * r_x, omega, par.b, par.h, par.rho2, par.mu_k, 0.0, par.e_t)
+    u_0, _, _, _, _ = flat_impact(xp, u, v_centre, omega, par.a, par.o, par.H, par.rho2, par.mu_k, 0.0, par.e_t)
     u_0 = xp.where(xp.abs(u_0) <= SNAP * (xp.abs(u) + xp.abs(v)), 0.0, u_0)
-    after = choose(xp, ends | (par.e_n == 0.0), upright(xp, u_0, base, par, 0.0, 0.0), after)
+    after = choose(xp, ends | (par.e_n == 0.0), upright(xp, u_0, felt, par, 0.0, 0.0, turning), after)
     return choose(xp, (P_plus < 0.0) | (P_minus < 0.0), tripping, after)
 
 
-def impact(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters, k: Any) -> tuple[Touch, Any]:
+def impact(
+    xp: Any, y: Any, q: Discrete, felt: Felt, par: Any, k: Any, turning: Turning, striking: Striking
+) -> tuple[Touch, Any]:
     """(contact after, x of its corner [m]) when a corner comes down: guard LANDING the other one, CONTACT this one."""
     rocks = (k == LANDING) & (q.mode < TRANSLATION_JUMP)
     other = xp.where(k == LANDING, 1.0, 0.0)
     s = q.s * (1.0 - 2.0 * other)
     theta = xp.where(rocks, 0.0, y[2])
     omega = y[5]
-    span_x, span_z = q.s * par.b * xp.cos(theta), q.s * par.b * xp.sin(theta)
+    breadth = 2.0 * par.a
+    span_x, span_z = q.s * breadth * xp.cos(theta), q.s * breadth * xp.sin(theta)
     x = y[0] - other * span_x
     u = y[3] + other * omega * span_z
     v = y[4] + other * omega * span_x
     v = xp.where(v < 0.0, v, 0.0)
-    one = corner_landing(xp, s, theta, u, v, omega, base, par, rocks)
+    one = corner_landing(xp, s, theta, u, v, omega, felt, par, rocks, turning, striking)
     # The corner that did not land takes part if it is as low and comes down too, or if it stood there and is driven
     # down.  If it was on its way up and is driven down, its own landing follows at once.
-    height = s * par.b * xp.sin(theta)
-    comes_down = v + omega * s * par.b * xp.cos(theta) < 0.0
-    driven_down = one.v + one.omega * s * par.b * xp.cos(theta) < 0.0
-    both = (xp.abs(height) <= FLAT * par.b) & xp.where(rocks, driven_down, comes_down)
-    after = choose(xp, both, flat_landing(xp, s, u, v, omega, base, par, rocks), one)
-    return after, x + 0.5 * par.b * (after.s - s)
+    height = s * breadth * xp.sin(theta)
+    comes_down = v + omega * s * breadth * xp.cos(theta) < 0.0
+    driven_down = one.v + one.omega * s * breadth * xp.cos(theta) < 0.0
+    both = (xp.abs(height) <= FLAT * breadth) & xp.where(rocks, driven_down, comes_down)
+    after = choose(xp, both, flat_landing(xp, s, u, v, omega, felt, par, rocks, turning, striking), one)
+    return after, x + par.a * (after.s - s)
 
 
 def jump(
-    xp: Any, y: Any, q: Discrete, base: Base, par: Parameters, k: Any
+    xp: Any, y: Any, q: Discrete, base: Base, par: Any, k: Any
 ) -> tuple[tuple[Any, Any, Any, Any, Any, Any], Discrete]:
     """State and mode after guard k has ended the mode q.mode."""
+    return jump_with(xp, y, q, base, par, k, nothing_turns, as_it_is)
+
+
+def jump_with(
+    xp: Any, y: Any, q: Discrete, base: Base, par: Any, k: Any, turning: Turning, striking: Striking
+) -> tuple[tuple[Any, Any, Any, Any, Any, Any], Discrete]:
+    """The same with effects that turn the block and change its restitution."""
     is_impact = (k == LANDING) | (k == CONTACT)
-    landed, x_landed = impact(xp, y, q, base, par, k)
+    # The centre of mass stays where it is, and so does what it feels.
+    felt = feel(xp, y, q, base, par)
+    landed, x_landed = impact(xp, y, q, felt, par, k, turning, striking)
 
     flat = (q.mode == REST) | (q.mode == SLIDE)
     u = xp.where(k == STICK, 0.0, y[3])
     ended_rest = xp.where((k == SLIP) | (k == TIP), 1.0, 0.0)
-    standing = upright(xp, u, base, par, ended_rest, xp.where(k == TIP, 1.0, 0.0))
+    standing = upright(xp, u, felt, par, ended_rest, xp.where(k == TIP, 1.0, 0.0), turning)
     ended_stick = xp.where((k == SLIP) | (k == LIFT), 1.0, 0.0)
-    leaning = carried(xp, q.s, y[2], u, y[5], base, par, ended_stick)
+    leaning = carried(xp, q.s, y[2], u, y[5], felt, par, ended_stick, turning)
     flying = Touch(q.s, y[2], u, 0.0, y[5], xp.where(y[5] == 0.0, TRANSLATION_JUMP, ROTATION_JUMP), q.slip)
     leaning = choose(xp, (q.mode == SLIDE_ROTATION) & (k == LIFT), flying, leaning)
     flying = Touch(q.s, 0.0 * y[2], u, 0.0, 0.0, TRANSLATION_JUMP, q.slip)
     standing = choose(xp, k == LIFT, flying, standing)
     changed = choose(xp, flat, standing, leaning)
     # An upright block may have changed to its other corner, which stands a breadth away.
-    x_changed = y[0] + 0.5 * par.b * (changed.s - q.s)
+    x_changed = y[0] + par.a * (changed.s - q.s)
 
     after = choose(xp, is_impact, landed, changed)
     x = xp.where(is_impact, x_landed, x_changed)

@@ -28,7 +28,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from rocking.composed import ComposedMethod1, OnRigidBlock
+from rocking.composed import ComposedMethod1, OnRigidBlock, added
 from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, Anchor, Base, Discrete, in_floor_axes
 from rocking.validation import positive, within
 
@@ -123,8 +123,9 @@ def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any
     N_b, moment_b = bed(xp, y, par)
     moment = right.r_z * F_r - right.r_x * N_r + left.r_z * F_l - left.r_x * N_l + moment_b
     omega_dot = moment / par.rho2 - base.pitch_acceleration
-    for i in range(par.hooks.pushing):
-        omega_dot = omega_dot + par.hooks.accelerations[i](y[2], y[5], q.s, base, par.hooks.values[i])
+    # What effects add to a block on a fixed corner is a couple of so much times its inertia there.
+    r_x, r_z = xp.where(q.s > 0.0, right.r_x, left.r_x), xp.where(q.s > 0.0, right.r_z, left.r_z)
+    omega_dot = omega_dot + added(y[2], y[5], q.s, base, par) * (par.rho2 + r_x * r_x + r_z * r_z) / par.rho2
     return y[3], y[4], y[5], F_r + F_l - A_x, N_r + N_l + N_b - A_z, omega_dot, 0.0 * y[6], 0.0 * y[7]
 
 

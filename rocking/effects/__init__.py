@@ -17,6 +17,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import cache
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any
@@ -109,40 +110,59 @@ def compose(system: System, effects: Sequence[Effect]) -> System:
     """The system with the effects that act on the block; those on the base and the sensors leave it as it is.
 
     Args:
-        system: the ideal block: a nonlinear `Method1` for effects on form, flow and impact.
+        system: the ideal block: for effects on form, flow and impact a nonlinear `Method1`, or a `Method2`.
         effects: at most one of each name.
 
     Raises:
         ValueError: an effect is given twice, or the system cannot carry it; it says which and why.
     """
+    from rocking.form import Form
     from rocking.method1 import Method1
+    from rocking.method2 import Method2
 
     _check(effects)
     acting = [e for e in effects if e.ways_used() - {"base_motion", "reading"}]
     if not acting:
         return system
-    if not isinstance(system, Method1):
-        raise ValueError(f"{acting[0].name}: {type(system).__name__} does not carry it, want a Method1")
-    if system.form != "nonlinear":
+    if not isinstance(system, Method1 | Method2):
+        raise ValueError(f"{acting[0].name}: {type(system).__name__} does not carry it, want a Method1 or a Method2")
+    if isinstance(system, Method1) and system.form != "nonlinear":
         raise ValueError(f"{acting[0].name}: the linear Method 1 does not carry it, want form='nonlinear'")
-    leading = [e for e in acting if "modes" in e.ways_used()]
-    if leading:
-        other = next((e for e in acting if e not in leading), None)
-        if other is not None:
-            raise ValueError(f"{other.name}: Method 2, which {leading[0].name} asks for, does not carry it")
-        for effect in leading:
-            system = effect.modes(system)  # type: ignore[arg-type]
-        return system
-    return _composed(system, acting)
+    form = system.shape if isinstance(system, Method2) else Form.of(system.block)
+    for effect in acting:
+        form = effect.form(form, system.block)
+    modes = any("modes" in e.ways_used() for e in acting)
+    return (_under_method2 if modes or isinstance(system, Method2) else _under_method1)(system, form, acting)
 
 
-def _composed(method: Any, effects: Sequence[Effect]) -> System:
-    from rocking.composed import ComposedMethod1
+def _under_method2(method: Any, form: Any, effects: Sequence[Effect]) -> System:
+    from rocking.composed_method2 import ComposedMethod2
     from rocking.form import Form
+    from rocking.method2 import Method2
 
-    form = Form.of(method.block)
-    for effect in effects:
-        form = effect.form(form, method.block)
+    leading = [e for e in effects if "modes" in e.ways_used()]
+    other = next((e for e in effects if "freedoms" in e.ways_used()), None)
+    if other is not None:
+        asked = f", which {leading[0].name} asks for," if leading else ""
+        raise ValueError(f"{other.name}: Method 2{asked} does not carry it")
+    if leading and isinstance(method, Method2):
+        raise ValueError(f"{leading[0].name}: want a Method1, a Method2 has its friction and its impacts already")
+    own = None if form == Form.of(method.block) else form
+    system: Any = method if leading else replace(method, form=own)
+    for effect in leading:
+        system = effect.modes(system, own)
+    hooks = _hooks(effects, form)
+    if hooks.striking > 0 and system.normal_restitution > 0.0:
+        striking = next(e for e in effects if "restitution" in e.ways())
+        raise ValueError(f"{striking.name}: beside bouncing corners no restitution is there that it could change")
+    if hooks.striking > 0 and system.restitution is None:
+        system = replace(system, impact_law="two_corner", restitution=form.least_restitution)
+    return ComposedMethod2(system, hooks, tuple(effects)) if hooks.pushing + hooks.striking > 0 else system
+
+
+def _under_method1(method: Any, form: Any, effects: Sequence[Effect]) -> System:
+    from rocking.composed import ComposedMethod1
+
     system: Any = ComposedMethod1(method, form, _hooks(effects, form), tuple(effects))
     further = [e for e in effects if "freedoms" in e.ways_used()]
     if len(further) > 1:

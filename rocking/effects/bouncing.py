@@ -10,8 +10,9 @@ Use when    short blocks or stiff floors: after an impact the corner is seen to 
             corner may bounce while the other one is still in contact; what a swing of a slender block loses is then
             much the same for a higher f and a lower e_n
 Limits      at an instant those of Method 2: impacts are frictional (Chatterjee & Ruina 1998), so that e of eq. (4)
-            follows: near Housner's, and the lower the more the corner bounces.  With f it goes with effects on form
-            and flow, and not with sliding, rounded_edges, base_adhesion or compliant_base
+            follows: near Housner's, and the lower the more the corner bounces; no effect that changes restitution
+            goes with it then.  With f it goes with effects on form and flow, and not with sliding, rounded_edges,
+            base_adhesion or compliant_base
 Source      Ishiyama (1982); Lipscombe & Pellegrino (1993) for bouncing of short blocks; `rocking.method2`.  The
             dashpot leaves e_n of a speed within half a period, xi = -ln e_n / sqrt(pi^2 + ln^2 e_n); a contact that
             does not pull ends earlier and leaves somewhat more (Schwager & Poeschel 2007, Granular Matter 9, 465-469)
@@ -26,6 +27,7 @@ from typing import ClassVar
 
 from rocking.composed import ComposedMethod1
 from rocking.effect import Effect
+from rocking.form import Form
 from rocking.hybrid import System
 from rocking.method1 import Method1
 from rocking.method2 import Method2
@@ -82,7 +84,7 @@ class Bouncing(Effect):
                 raise
             raise ValueError(f"bouncing.contact_frequency={self.contact_frequency!r} Hz: {error}") from None
 
-    def modes(self, method: Method1 | Method2) -> System:
+    def modes(self, method: Method1 | Method2, form: Form | None) -> Method2:
         """The block under Method 2 with this restitution of its corners.
 
         Raises:
@@ -104,5 +106,5 @@ class Bouncing(Effect):
             law = {"impact_law": "two_corner", "restitution": method.restitution}
         return Method2(
             method.block, friction=self.friction, normal_restitution=self.normal_restitution, g=method.g,
-            rest_speed=method.rest_speed, **law,  # type: ignore[arg-type]
+            rest_speed=method.rest_speed, form=form, **law,  # type: ignore[arg-type]
         )  # fmt: skip

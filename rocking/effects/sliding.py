@@ -5,7 +5,7 @@ Parameters  friction mu [1], static and kinetic; no slip at any load (infinite) 
             what an impact keeps of the ratio of angular velocities where the base slides; beside bouncing nothing
 Use when    the base acceleration comes near mu g, or the block is stocky
 Limits      those of Method 2; a given restitution is carried by its two-corner law, which cannot have one below
-            Housner's
+            Housner's.  Not with effects that have further freedoms
 Source      Ishiyama (1982); `rocking.method2`
 Status      tests of Method 2
 """
@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from rocking.effect import Effect
-from rocking.hybrid import System
+from rocking.form import Form
 from rocking.method1 import Method1
 from rocking.method2 import Method2
 
@@ -33,7 +33,7 @@ class Sliding(Effect):
     units: ClassVar[dict[str, str]] = {"friction": "1", "ratio_kept": "1"}
     ranges: ClassVar[dict[str, tuple[float, float]]] = {"friction": (0.0, math.inf), "ratio_kept": (0.0, 1.0)}
 
-    def modes(self, method: Method1 | Method2) -> System:
+    def modes(self, method: Method1 | Method2, form: Form | None) -> Method2:
         """The block under Method 2 with this friction.
 
         Raises:
@@ -46,15 +46,17 @@ class Sliding(Effect):
                 )
             if method.normal_restitution > 0.0:
                 return replace(method, friction=self.friction)  # the ratio of what bounces follows from the bounces
-            return replace(method, friction=self.friction, **self._law(method))
+            return replace(method, friction=self.friction, **self._law(method, form))
         return Method2(
-            method.block, friction=self.friction, g=method.g, rest_speed=method.rest_speed, **self._law(method)
+            method.block, friction=self.friction, g=method.g, rest_speed=method.rest_speed, form=form,
+            **self._law(method, form),
         )  # fmt: skip
 
-    def _law(self, method: Method1 | Method2) -> dict[str, Any]:
+    def _law(self, method: Method1 | Method2, form: Form | None) -> dict[str, Any]:
         """The law of impacts that carries restitution and `ratio_kept`: frictional impacts have Housner's and 0."""
         e = method.restitution
         if e is None and self.ratio_kept == 0.0:
             return {}
-        e = max(method.block.housner_restitution, 0.0) if e is None else e
+        least = max(method.block.housner_restitution, 0.0) if form is None else form.least_restitution
+        e = least if e is None else e
         return {"impact_law": "two_corner", "restitution": e, "ratio_kept": self.ratio_kept}

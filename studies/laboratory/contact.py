@@ -2,8 +2,9 @@
 
 Two springs at the corners, or a bed under the base, summed over points of the part that is below the floor.  A soft
 floor, and with stiff springs of little damping a block that bounces: nothing about impacts is put in, so what the law
-of restitution would be comes out of the contact.  Friction is Coulomb's with a steep ramp through zero slip.  Small
-fixed steps; rotation positive clockwise.
+of restitution would be comes out of the contact.  Friction is Coulomb's with a steep ramp through zero slip.  Torques
+are those of event.py: accelerations of a block on a fixed corner, times its inertia there.  Small fixed steps; rotation
+positive clockwise.
 """
 
 from __future__ import annotations
@@ -11,21 +12,23 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from .event import FALLEN, GRAV, IC, B, H, M, Response, base
-from .parameters import INDEX, World
+from .event import FALLEN, IC, OFF, B, H, M, Response, field, own_torque
+from .parameters import INDEX, World, refuse
 
 MU, K, CD, NS = (INDEX[k] for k in ("friction", "stiffness", "damping", "springs"))
 CREEP = 5e-4  # m/s
 STEP = 1e-5  # s
+FOREIGN = ("radius", "adhesion", "slope", "side", "leak", "bedding", "hinge", "layer", "slosh_mass")
+"""What these equations lack: no impact is at an instant, and corners are sharp."""
 
 
 @njit
 def below(z, sn, cs, P):
     """(middle, half of the length) of the part of the base that is below the floor, along it from its middle."""
-    # A point xi of the base is at z - xi sin - h cos.
+    # A point xi of the base is at z - (xi - offset) sin - h cos.
     if abs(sn) < 1e-15:
         return 0.0, P[B]
-    end = (z - P[H] * cs) / sn
+    end = P[OFF] + (z - P[H] * cs) / sn
     if sn > 0.0:
         low, high = min(max(end, -P[B]), P[B]), P[B]
     else:
@@ -36,7 +39,9 @@ def below(z, sn, cs, P):
 @njit
 def rate(x, c, y, P):
     """Accelerations (x, z, theta) of the centre of mass over the floor, state y = (x, z, theta, x', z', theta')."""
-    ax, az, _, _, _ = base(x, c)
+    fx, fz, turn, acc = field(x, c, P)
+    fx = P[M] * (fx - acc * y[1] - 2.0 * turn * y[4] + turn * turn * y[0])
+    fz = P[M] * (fz + acc * y[0] + 2.0 * turn * y[3] + turn * turn * y[1])
     n = int(P[NS])
     k, d = P[K], P[CD]
     cs, sn = np.cos(y[2]), np.sin(y[2])
@@ -44,10 +49,13 @@ def rate(x, c, y, P):
     if n > 2:
         middle, half = below(y[1], sn, cs, P)
         k, d = k * half / (P[B] * n), d * half / (P[B] * n)
-    fx, fz, torque = -P[M] * ax, -P[M] * (P[GRAV] + az), 0.0
+    s = 1.0 if y[2] >= 0.0 else -1.0
+    reach = P[B] - s * P[OFF]
+    J = P[IC] + P[M] * (reach * reach + P[H] * P[H])
+    torque = s * J * own_torque(s, s * y[2], s * y[5], 0.0, P, J) - P[IC] * acc
     for i in range(n):
         xi = middle + half * (2.0 * i - 1.0 if n == 2 else (2.0 * i + 1.0) / n - 1.0)
-        rx, rz = xi * cs - P[H] * sn, -xi * sn - P[H] * cs
+        rx, rz = (xi - P[OFF]) * cs - P[H] * sn, -(xi - P[OFF]) * sn - P[H] * cs
         depth = -(y[1] + rz)
         if depth <= 0.0:
             continue
@@ -96,23 +104,33 @@ def run(C, h, every, y, P, out, sub):
 
 def start(world: World, theta0: float) -> np.ndarray:
     """At rest on its springs, or held at a lean with its weight on one corner or on a part of the bed."""
-    weight = world.mass * world.gravity
+    weight, offset = world.mass * world.gravity, world.offset
     if theta0 == 0.0:
-        depth = weight / (world.stiffness * (2 if world.springs == 2 else 1))
-        return np.array([0.0, world.centre_height - depth, 0.0, 0.0, 0.0, 0.0])
-    phi = abs(theta0)
-    high = world.half_breadth * np.sin(phi) + world.centre_height * np.cos(phi)
+        corners = world.springs == 2
+        depth = weight / (world.stiffness * (2 if corners else 1))
+        # The floor's tilt and the offset turn it until the springs hold.
+        turned = weight * (offset + world.tilt * world.centre_height) / (world.half_breadth**2 * world.stiffness)
+        turned *= 0.5 if corners else 3.0
+        return np.array([offset, world.centre_height - depth - turned * offset, turned, 0.0, 0.0, 0.0])
+    phi, s = abs(theta0), np.sign(theta0)
+    high = (world.half_breadth - s * offset) * np.sin(phi) + world.centre_height * np.cos(phi)
+    along = s * world.half_breadth * (1.0 - np.cos(phi)) + offset * np.cos(phi) + s * world.centre_height * np.sin(phi)
     if world.springs == 2:
-        return np.array([0.0, high - weight / world.stiffness, theta0, 0.0, 0.0, 0.0])
+        return np.array([along, high - weight / world.stiffness, theta0, 0.0, 0.0, 0.0])
     # A bed takes the weight on a part of it: sink until that carries it, or on all of it as deep as it has to.
     step, sink = 2.0 * world.half_breadth * np.sin(phi), weight / world.stiffness
     depth = np.sqrt(2.0 * sink * step)
     height = high - (depth if depth < step else sink + 0.5 * step)
-    return np.array([0.0, height, theta0, 0.0, 0.0, 0.0])
+    return np.array([along, height, theta0, 0.0, 0.0, 0.0])
 
 
 def simulate(world: World, felt: np.ndarray, h: float, every: int, theta0: float) -> Response:
-    """Rotation of a block on springs; there is no list of impacts."""
+    """Rotation of a block on springs; there is no list of impacts.
+
+    Raises:
+        ValueError: the world has an effect that these equations lack.
+    """
+    refuse(world, FOREIGN, "of a block on springs")
     n = felt.shape[0] // every + 1
     out = np.full((n, 5), np.nan)
     fell = run(felt, h, every, start(world, theta0), world.vector(), out, max(1, round(h / STEP)))

@@ -67,6 +67,17 @@ def _world(lab: Lab, **changes: Any) -> Lab:
     return replace(lab, world=replace(lab.world, **changes))
 
 
+def _in(engine: str, lab: Lab) -> Lab:
+    """The laboratory with that engine.
+
+    Raises:
+        ValueError: another effect has chosen one, and no engine has both.
+    """
+    if lab.engine != "event":
+        raise ValueError(f"engine={engine!r}: another effect asks for {lab.engine!r} already, and no engine has both")
+    return replace(lab, engine=engine)
+
+
 def rounded_edges(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     r = min(0.3, k * d.between(0.008, 0.03)) * lab.world.half_breadth
     return _world(lab, radius=r), {"radius": r}
@@ -119,14 +130,14 @@ def compliant_base(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     """Two springs with dashpots."""
     stiffness, damping = _soft(lab, d, k)
     soft = _world(lab, stiffness=stiffness, damping=damping, springs=2.0, friction=HOLDS)
-    return replace(soft, engine="contact"), {"corner_stiffness": stiffness}
+    return _in("contact", soft), {"corner_stiffness": stiffness}
 
 
 def winkler_bed(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     """A bed, as stiff in all as two corners of this stiffness: the same effect by name."""
     stiffness, damping = _soft(lab, d, k)
     bed = _world(lab, stiffness=2 * stiffness, damping=2 * damping, springs=25.0, friction=HOLDS)
-    return replace(bed, engine="contact"), {"corner_stiffness": stiffness}
+    return _in("contact", bed), {"corner_stiffness": stiffness}
 
 
 def _soft(lab: Lab, d: Draw, k: float) -> tuple[float, float]:
@@ -153,7 +164,7 @@ def quadratic_drag(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
 def sliding(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     # A tenth above b/h it hardly slides, below it never rocks; more strength is less friction.
     mu = lab.world.half_breadth / lab.world.centre_height * (1.01 + 0.06 * (0.4 + d.size) / k)
-    return replace(_world(lab, friction=mu), engine="slip"), {"friction": mu}
+    return _in("slip", _world(lab, friction=mu)), {"friction": mu}
 
 
 def bouncing(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
@@ -165,7 +176,7 @@ def bouncing(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     felt = 1.0 / (1.0 / w.mass + w.half_breadth**2 / w.inertia)
     stiffness = felt * (2 * np.pi * (150.0 + 300.0 * d.other)) ** 2
     hard = _world(lab, stiffness=stiffness, damping=2 * ratio * np.sqrt(stiffness * felt), springs=2.0, friction=HOLDS)
-    return replace(hard, engine="contact"), {"normal_restitution": e_n}
+    return _in("contact", hard), {"normal_restitution": e_n}
 
 
 def base_motion_gain(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:

@@ -78,6 +78,17 @@ class World:
 INDEX = {f.name: k for k, f in enumerate(fields(World))}
 
 
+def refuse(world: World, foreign: tuple[str, ...], which: str) -> None:
+    """Of the numbers named, each zero where its effect is absent, none may be there.
+
+    Raises:
+        ValueError: one is.
+    """
+    for name in foreign:
+        if getattr(world, name) != 0.0:
+            raise ValueError(f"{name}={getattr(world, name)!r}: not in the laboratory {which}")
+
+
 def housner(breadth: float, height: float) -> float:
     """Restitution of a uniform block by conservation of angular momentum about the new pivot (Housner, 1963) [1]."""
     return 1.0 - 1.5 * breadth**2 / (breadth**2 + height**2)

@@ -54,10 +54,12 @@ def parameters_for(system: System, **changes: Any) -> Any:
         The NamedTuple that the system's equations take; each entry has the shape that its arguments broadcast to.
 
     Raises:
-        ValueError: the system is neither, or does not have an argument of that name.
+        ValueError: the system is neither, has a form of its own, or does not have an argument of that name.
     """
     if not isinstance(system, Method1 | Method2):
         raise ValueError(f"system={system!r}: want a Method1 or a Method2")
+    if isinstance(system, Method2) and system.form is not None:
+        raise ValueError(f"system={system!r}: want a Method2 without a form of its own, whose b and h are its size")
     names = METHOD1_NAMES if isinstance(system, Method1) else METHOD2_NAMES
     unknown = [name for name in changes if name not in names]
     if unknown:
@@ -81,23 +83,27 @@ def _method1(xp: Any, system: Any, v: dict[str, Any]) -> Parameters1:
 
 
 def _method2(xp: Any, system: Any, v: dict[str, Any]) -> Parameters2:
-    R, alpha, p2 = _geometry(xp, v)
+    _, alpha, p2 = _geometry(xp, v)
     b, h, e = v["b"], v["h"], v["restitution"]
-    kappa = 3.0 * b**2 / (b**2 + 4.0 * h**2)
+    e = xp.maximum(1.0 - 1.5 * xp.sin(alpha) ** 2, 0.0) if e is None else e
     return Parameters2(
-        b=b,
-        h=h,
-        R=R,
-        alpha=alpha,
+        a=0.5 * b,
+        r=0.0,
+        o=0.0,
+        H=0.5 * h,
         rho2=(b**2 + h**2) / 12.0,
         g=v["g"],
+        hold=0.0,
         mu_s=v["friction"],
         mu_k=v["friction"] if v["kinetic_friction"] is None else v["kinetic_friction"],
         e_n=v["normal_restitution"],
         e_t=v["tangential_restitution"],
         law=float(IMPACT_LAWS[system.impact_law]),
-        share=0.0 if e is None else 0.5 - (1.0 - e) / (2.0 * kappa * (1.0 + e)),
+        e_right=e,
+        e_left=e,
         ratio_kept=v["ratio_kept"],
         omega_rest=v["rest_speed"] * xp.sqrt(p2),
         chatter_time=v["chatter_time"],
+        balance_right=alpha,
+        balance_left=alpha,
     )

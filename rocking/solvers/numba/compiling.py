@@ -56,7 +56,7 @@ def make_jitable(function: Any) -> frozenset[str]:
     if function not in _registered:
         _registered[function] = frozenset([function.__code__.co_filename])
         register_jitable(error_model="numpy")(function)
-        called = (function.__globals__.get(name) for name in function.__code__.co_names)
+        called = (function.__globals__.get(name) for name in sorted(_names(function.__code__)))
         files = [make_jitable(f) for f in called if isinstance(f, FunctionType)]
         _registered[function] = _registered[function].union(*files)
     return _registered[function]

@@ -16,6 +16,7 @@ from rocking import Block, Method1, solve
 from rocking.effects import bouncing, load
 from studies.campaigns import Channel
 from studies.laboratory import contact, event, instruments, slip, table
+from studies.laboratory import effects as laboratory_effects
 from studies.laboratory.effects import Lab
 from studies.laboratory.instruments import point_acceleration
 from studies.laboratory.parameters import G, housner, uniform
@@ -292,6 +293,66 @@ def test_impacts_of_a_block_whose_foot_slips_are_those_of_the_package(
     assert abs(ours - stuck).max() > (0.05 if impacts > 1 else 1e-4)
 
 
+class Pitching(Shaking):
+    """The same on a floor that pitches by 0.004 rad at 2 Hz."""
+
+    has_pitch = True
+
+    @staticmethod
+    def pitch_kernel(xp, t, par):
+        w = 4.0 * math.pi
+        return 0.004 * xp.sin(w * t), -0.004 * w * w * xp.sin(w * t)
+
+
+# How far the effect alone moves an impact is that of `stuck`.  Friction, lean (0: the floor shakes), impacts: later on
+# the foot slips so fast that a corner would have to pull for the laboratory's ratio of angular speeds.
+SLIPPING = [(0.22, 0.2, 7), (0.36, 0.0, 2)]
+
+
+@pytest.mark.parametrize(
+    ("name", "friction", "lean", "impacts"),
+    [
+        *((name, *case) for name in (*SAME, "eccentric_mass") if name != "ideal" for case in SLIPPING),
+        ("table_pitch", *SLIPPING[1]),
+    ],
+)
+def test_a_block_whose_foot_slips_has_the_effects_of_the_package(
+    name: str, friction: float, lean: float, impacts: int
+) -> None:
+    """Method 2 with an effect: equations, lift-off and the impact law, each written for itself.
+
+    The package keeps the geometric mean of both sides' restitution of an eccentric block, the laboratory what is gained
+    over the balance of angular momentum; the package leaves out the floor's rate of pitch.
+    """
+    effects, changes = SAME.get(name, ([load("eccentric_mass")(offset=0.002)], {"offset": 0.002}))
+    angle = 0.004 * np.sin(4.0 * math.pi * TIME)
+    rate = 0.016 * math.pi * np.cos(4.0 * math.pi * TIME)
+    pitch = (STILL, STILL, STILL)
+    if name == "table_pitch":
+        effects, changes, pitch = [], {}, (angle, rate, -((4.0 * math.pi) ** 2) * angle)
+    shaken = Shaking.kernel(np, TIME, Shaking.parameters)[0] if lean == 0.0 else STILL
+    motion = (Pitching() if name == "table_pitch" else Shaking()) if lean == 0.0 else None
+    theirs = solve(
+        Method1(BLOCK, restitution=RESTITUTION, g=G), motion, t_end=END, theta=lean,
+        effects=[*effects, load("sliding")(friction, 1.0)], rtol=1e-11, atol=1e-13,
+    ).impact_times[:impacts]  # fmt: skip
+    world = replace(WORLD, friction=friction, **changes)
+    ours = slip.simulate(world, floor(shaken, pitch=pitch), STEP, 4, lean).impacts[:impacts, 0]
+    apart = {"eccentric_mass": 3e-4, "table_pitch": 2e-4}.get(name, 1e-8)
+    assert ours == pytest.approx(theirs, abs=apart)
+    stuck = event.simulate(replace(WORLD, **changes), floor(shaken, pitch=pitch), STEP, 4, lean).impacts[:impacts, 0]
+    without = slip.simulate(replace(WORLD, friction=friction), floor(shaken), STEP, 4, lean).impacts[:impacts, 0]
+    assert abs(ours - stuck).max() > 100.0 * apart
+    if name != "base_adhesion":  # which a lean has broken, and a foot that slips
+        assert abs(ours - without).max() > 20.0 * apart
+
+
+@pytest.mark.parametrize("number", slip.FOREIGN)
+def test_the_laboratory_of_a_block_that_slides_refuses_what_it_lacks(number: str) -> None:
+    with pytest.raises(ValueError, match=f"{number}=0.1: not in the laboratory of a block that slides"):
+        slip.simulate(replace(WORLD, friction=0.4, **{number: 0.1}), AT_REST, STEP, 4, 0.1)
+
+
 def test_a_block_whose_foot_slips_starts_from_its_lean_and_falls_back_alike_from_either_side() -> None:
     right, left = (slip.simulate(replace(WORLD, friction=0.2), AT_REST, STEP, 4, lean) for lean in (LEAN, -LEAN))
     assert right.rotation[0] == pytest.approx(LEAN) and left.rotation[0] == pytest.approx(-LEAN)
@@ -306,11 +367,11 @@ LITTLE = replace(WORLD, friction=0.2)
 def test_a_standing_block_slides_until_friction_has_stopped_it_and_again_when_the_push_exceeds_it() -> None:
     """Slip V ends after V / (mu g) on a floor that rests; a_x = mu g - 0.01 + 100 t passes mu g at 0.1 ms."""
     still = np.zeros((5, 4))
-    used, velocity, side = slip.stand(0.0, 0.001, still, 1e-4, LITTLE.vector())
+    used, _, velocity, side = slip.stand(0.0, 0.001, still, 0.0, 1e-4, LITTLE.vector())
     assert used == pytest.approx(1e-4 / (0.2 * G), rel=1e-9) and (velocity, side) == (0.0, 0.0)
     pushed = still.copy()
     pushed[0, :2] = 0.2 * G - 0.01, 100.0
-    used, velocity, side = slip.stand(0.0, 0.001, pushed, 0.0, LITTLE.vector())
+    used, _, velocity, side = slip.stand(0.0, 0.001, pushed, 0.0, 0.0, LITTLE.vector())
     assert used == pytest.approx(1e-4, rel=1e-6) and (velocity, side) == (0.0, 0.0)
 
 
@@ -322,7 +383,7 @@ def test_slip_that_stops_just_before_an_impact_stops_before_it() -> None:
     # Turning about the centre, falling, and sliding: phi'', acceleration of the corner, normal force over mass.
     newton = np.array([[world.inertia / world.mass, 0.0, -(D + kappa * Z)], [D, 0.0, 1.0], [Z, 1.0, kappa]])
     turning, slipping, _ = np.linalg.solve(newton, [0.0, G - Z * speed**2, D * speed**2])
-    used, lean, _, velocity = slip.rock(0.0, 2e-4, np.zeros((5, 4)), 1.0, phi, speed, -1e-4, world.vector())
+    used, lean, _, _, velocity = slip.rock(0.0, 2e-4, np.zeros((5, 4)), 1.0, phi, speed, 0.0, -1e-4, world.vector())
     # Over 10 us the deceleration changes by 1e-4 of itself.
     assert used == pytest.approx(1e-4 / slipping, rel=1e-3)
     assert lean == pytest.approx(phi + speed * used + 0.5 * turning * used**2, rel=1e-6)
@@ -335,7 +396,7 @@ def test_a_block_with_friction_leaves_the_floor_when_a_growing_push_passes_wests
     pushed = np.zeros((5, 4))
     pushed[0, 1] = -300.0 * side
     west = BREADTH / HEIGHT * G / 300.0
-    used, velocity, lifts = slip.stand(0.0105, 0.001, pushed, 0.0, replace(WORLD, friction=0.9).vector())
+    used, _, velocity, lifts = slip.stand(0.0105, 0.001, pushed, 0.0, 0.0, replace(WORLD, friction=0.9).vector())
     assert 0.0105 + used == pytest.approx(west, rel=1e-12)
     assert (velocity, lifts) == (0.0, side)
 
@@ -409,6 +470,41 @@ def test_a_corner_that_bounces_moves_as_the_package_has_it(held: float, apart: f
     effect = load("bouncing")(normal_restitution=e_n, contact_frequency=frequency)
     run = solve(Method1(BLOCK, g=G), theta=LEAN, t_end=2.0, save_at=TIME[:2001], effects=[effect])
     assert np.abs(run.theta - response.rotation[:2001]).max() < apart
+
+
+# The same for effects on the equations: a couple of the package's own, beside springs, against the laboratory's torque.
+@pytest.mark.parametrize("name", ["concave_base", "mass_distribution", "base_tilt", "viscous_damping", "quadratic_drag",
+                                  "tether", "eccentric_mass"])  # fmt: skip
+def test_a_corner_that_bounces_has_the_effects_of_the_package(name: str) -> None:
+    effects, changes = SAME.get(name, ([load("eccentric_mass")(offset=0.002)], {"offset": 0.002}))
+    frequency, e_n = 250.0, 0.7
+    felt = 1.0 / (1.0 / WORLD.mass + WORLD.half_breadth**2 / WORLD.inertia)
+    stiffness = felt * (2.0 * math.pi * frequency) ** 2
+    ratio = -math.log(e_n) / math.hypot(math.pi, math.log(e_n))
+    hard = replace(WORLD, stiffness=stiffness, damping=2.0 * ratio * math.sqrt(stiffness * felt), friction=2.0)
+    if name in ("mass_distribution", "concave_base"):  # the spring is that of the block as it is
+        world = replace(hard, **changes)
+        felt_so = 1.0 / (1.0 / world.mass + world.half_breadth**2 / world.inertia)
+        changes = {**changes, "stiffness": stiffness * felt_so / felt, "damping": hard.damping * felt_so / felt}
+    ours = contact.simulate(replace(hard, **changes), AT_REST, STEP, 1, LEAN).rotation[:2001]
+    bouncing_too = [*effects, load("bouncing")(normal_restitution=e_n, contact_frequency=frequency)]
+    run = solve(Method1(BLOCK, g=G), theta=LEAN, t_end=2.0, save_at=TIME[:2001], effects=bouncing_too)
+    plain = contact.simulate(hard, AT_REST, STEP, 1, LEAN).rotation[:2001]
+    assert np.abs(run.theta - ours).max() < 1.6e-3
+    assert np.abs(plain - ours).max() > 4.0 * 1.6e-3
+
+
+@pytest.mark.parametrize("number", contact.FOREIGN)
+def test_the_laboratory_of_a_block_on_springs_refuses_what_it_lacks(number: str) -> None:
+    with pytest.raises(ValueError, match=f"{number}=0.001: not in the laboratory of a block on springs"):
+        contact.simulate(replace(SOFT, **{number: 0.001}), AT_REST, STEP, 4, 0.1)
+
+
+def test_two_effects_that_no_laboratory_has_together_are_refused() -> None:
+    drawn = laboratory_effects.draw(np.random.default_rng(1))
+    lab, _ = laboratory_effects.sliding(Lab(WORLD), drawn, 1.0)
+    with pytest.raises(ValueError, match="engine='contact': another effect asks for 'slip' already"):
+        laboratory_effects.bouncing(lab, drawn, 1.0)
 
 
 def test_stiff_corners_that_do_not_bounce_give_housners_restitution() -> None:
