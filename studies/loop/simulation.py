@@ -15,9 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from excitation import SampledMotion
+from rocking.composed_method2 import ComposedMethod2
 from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, TRANSLATION_JUMP, Base, Discrete
 from rocking.hysteretic import HystereticBlock
 from rocking.inner_mass import BlockWithInnerMass
+from rocking.method2 import Method2
 from rocking.motion import BaseMotion, base_at, pitch_kernel
 from rocking.remembering import LONG_AGO, RememberingBlock
 from rocking.soft_floor import BlockOnSoftFloor
@@ -320,7 +322,7 @@ class Simulator:
 
 def _peaks_remembered(system: Any) -> int:
     """Over how many peaks what a rotation does not show is carried; 0 for a block that has nothing besides."""
-    return HISTORY if hasattr(system, "friction") else 1 if isinstance(system, BlockOnSoftFloor) else 0
+    return HISTORY if isinstance(system, Method2 | ComposedMethod2) else 1 if isinstance(system, BlockOnSoftFloor) else 0
 
 
 def _beside_rotation(system: Any, answer: Answer) -> dict[str, Any]:
