@@ -322,7 +322,9 @@ class Simulator:
 
 def _peaks_remembered(system: Any) -> int:
     """Over how many peaks what a rotation does not show is carried; 0 for a block that has nothing besides."""
-    return HISTORY if isinstance(system, Method2 | ComposedMethod2) else 1 if isinstance(system, BlockOnSoftFloor) else 0
+    if isinstance(system, Method2 | ComposedMethod2):
+        return HISTORY
+    return 1 if isinstance(system, BlockOnSoftFloor) else 0
 
 
 def _beside_rotation(system: Any, answer: Answer) -> dict[str, Any]:

@@ -78,11 +78,15 @@ SINES = ("test_harmonic", "test_ramped_sinusoid", "test_longest_steps", "test_mo
 # The first pattern that fits counts.
 FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("rocking/block.py", ("test_block", "test_method1_closed_forms")),
-    ("rocking/form.py", ("effects/test_form_effects", "effects/test_lagrange")),
+    ("rocking/form.py", ("effects/test_form_effects", "effects/test_lagrange", "effects/test_effects_beside_sliding")),
     ("rocking/hybrid.py", ("effects/test_base_effects", "test_trajectory", *METHOD1, *METHOD2)),
     ("rocking/method1.py", METHOD1),
-    ("rocking/method2*.py", METHOD2),
-    ("rocking/impacts.py", ("test_method2_impacts", "test_method2_rocking_impacts", *METHOD2)),
+    ("rocking/method2*.py", (*METHOD2, "effects/test_method2_of_any_form")),
+    (
+        "rocking/impacts.py",
+        ("test_method2_impacts", "test_method2_rocking_impacts", "effects/test_effects_beside_sliding", *METHOD2),
+    ),
+    ("rocking/composed_method2.py", ("effects/test_method2_of_any_form", "effects/test_effects_beside_sliding")),
     ("rocking/composed.py", ("effects/test_lagrange", "effects/test_form_effects", "effects/test_torque_effects")),
     ("rocking/altered.py", ("effects/test_base_effects", "effects/test_effects_contract")),
     ("rocking/closed_forms.py", ("test_closed_forms", "test_method1_closed_forms")),
