@@ -16,6 +16,7 @@ import numpy as np
 
 from rocking import G_STANDARD
 from rocking.effects import load
+from rocking.form import Form
 from studies.campaigns import DeclaredBlock
 from studies.loop.model import RESTITUTION
 from studies.loop.parameters import UNEVEN, Parameter
@@ -173,7 +174,8 @@ def _sliding(block: DeclaredBlock) -> tuple[Candidate, ...]:
     tips = block.breadth / slender
     frictions = [tips * ratio for ratio in (0.8, 0.95, 1.0, 1.03, 1.07, 1.12, 1.2, 1.3, 1.5, 2.0, 3.0)]
     finely = tips * np.geomspace(0.9, 2.0, 54)
-    least = max(_block(block).housner_restitution, 0.0) * (1.0 + 1e-12)
+    form = Form.of(_block(block)).edited(mass_height=block.centre_height, inertia=block.I_c)
+    least = form.least_restitution * (1.0 + 1e-12)
     starts = [{"sliding.friction": mu} for mu in frictions if mu < 1.3]
     return tuple(
         Candidate(
