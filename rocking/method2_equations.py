@@ -12,8 +12,8 @@ per unit mass:
 
     rest, slide       F = A_x, N = A_z;   F = -slip mu_k A_z, N = A_z
     rotation          M omega' = r_z A_x - r_x A_z - r r_x omega^2 + C,  F, N from the centre of mass's motion
-    slide rotation    N = (A_z + (r_z + r) omega^2 + r_x C / rho2) / D,  F = -slip mu_k N,
-                      rho2 omega' = r_z F - r_x N + C
+    slide rotation    N = [rho2 (A_z + (r_z + r) omega^2) + r_x C] / (rho2 + r_x (r_x + slip mu_k r_z)),
+                      F = -slip mu_k N,  rho2 omega' = r_z F - r_x N + C
     both jumps        F = N = 0,  rho2 omega' = C
 
 An effect that adds an angular acceleration is so a couple, M k, which acts in every mode.
@@ -73,6 +73,15 @@ class Felt(NamedTuple):
     base: Base
 
 
+class Stance(NamedTuple):
+    """How the block stands on a corner, or would stand."""
+
+    r_x: Any  # the floor under the corner, from the centre of mass [m]
+    r_z: Any
+    C: Any  # couple over mass [m^2/s^2]
+    M: Any  # inertia over mass about that point [m^2]
+
+
 def nothing_turns(xp: Any, theta: Any, omega: Any, s: Any, base: Base, par: Any) -> Any:
     """The `Turning` of a block without effects."""
     return 0.0
@@ -85,54 +94,54 @@ def corner_arm(xp: Any, theta: Any, s: Any, par: Any) -> tuple[Any, Any]:
     return s * (q * cos - up * sin), -(par.r + q * sin + up * cos)
 
 
-def feel(xp: Any, y: Any, q: Discrete, base: Base, par: Any) -> Felt:
-    """What the block feels in this state: a pitch about the middle of where it first stood carries it along."""
-    r_x, r_z = corner_arm(xp, y[2], q.s, par)
+def feel(xp: Any, y: Any, r_x: Any, r_z: Any, base: Base, par: Any) -> Felt:
+    """What the block feels on its carrying corner: a pitch about the middle of where it first stood takes it along."""
     A_x, A_z = in_floor_axes(xp, base, par.g)
     x, z = y[0] + par.r * y[2] - r_x, y[1] - r_z
     return Felt(A_x + base.pitch_acceleration * z, A_z - base.pitch_acceleration * x, base)
 
 
-def couple(
+def on_arm(
     xp: Any, theta: Any, omega: Any, s: Any, r_x: Any, r_z: Any, felt: Felt, par: Any, turning: Turning
-) -> tuple[Any, Any]:
-    """(C [m^2/s^2], M [m^2])."""
+) -> Stance:
+    """How the block stands on corner s with that arm."""
     M = par.rho2 + r_x * r_x + r_z * r_z
-    return M * turning(xp, theta, omega, s, felt.base, par) - par.rho2 * felt.base.pitch_acceleration, M
+    C = M * turning(xp, theta, omega, s, felt.base, par) - par.rho2 * felt.base.pitch_acceleration
+    return Stance(r_x, r_z, C, M)
 
 
-def sticking_row(
-    xp: Any, theta: Any, omega: Any, s: Any, felt: Felt, par: Any, turning: Turning
-) -> tuple[Any, Any, Any]:
-    """(omega', F, N) of a block that rotates about its fixed corner s; forces per unit mass [m/s^2]."""
+def standing_on(xp: Any, theta: Any, omega: Any, s: Any, felt: Felt, par: Any, turning: Turning) -> Stance:
+    """How the block stands on corner s."""
     r_x, r_z = corner_arm(xp, theta, s, par)
-    C, M = couple(xp, theta, omega, s, r_x, r_z, felt, par, turning)
+    return on_arm(xp, theta, omega, s, r_x, r_z, felt, par, turning)
+
+
+def sticking_row(omega: Any, at: Stance, felt: Felt, par: Any) -> tuple[Any, Any, Any]:
+    """(omega', F, N) of a block that rotates about its fixed corner; forces per unit mass [m/s^2]."""
+    r_x, r_z, C, M = at
     omega_dot = (r_z * felt.A_x - r_x * felt.A_z - par.r * r_x * omega * omega + C) / M
     F = felt.A_x - r_z * omega_dot + r_x * omega * omega
     N = felt.A_z + r_x * omega_dot + (r_z + par.r) * omega * omega
     return omega_dot, F, N
 
 
-def sliding_row(
-    xp: Any, theta: Any, omega: Any, s: Any, slip: Any, felt: Felt, par: Any, turning: Turning
-) -> tuple[Any, Any, Any]:
-    """(omega', u', N) of a block that rotates about its corner s while that slides; N per unit mass [m/s^2]."""
-    r_x, r_z = corner_arm(xp, theta, s, par)
-    C, _ = couple(xp, theta, omega, s, r_x, r_z, felt, par, turning)
+def sliding_row(xp: Any, omega: Any, slip: Any, at: Stance, felt: Felt, par: Any) -> tuple[Any, Any, Any]:
+    """(omega', u', N) of a block that rotates about its corner while that slides; N per unit mass [m/s^2]."""
+    r_x, r_z, C, _ = at
     # An infinite friction never lets the corner slide; the row is then not asked for.
     mu = xp.where(par.mu_k < math.inf, par.mu_k, 0.0)
-    D = 1.0 + r_x * (r_x + slip * mu * r_z) / par.rho2
-    N = (felt.A_z + (r_z + par.r) * omega * omega + r_x * C / par.rho2) / D
-    omega_dot = (C - (slip * mu * r_z + r_x) * N) / par.rho2
+    across = r_x + slip * mu * r_z
+    N = (par.rho2 * (felt.A_z + (r_z + par.r) * omega * omega) + r_x * C) / (par.rho2 + r_x * across)
+    omega_dot = (C - across * N) / par.rho2
     u_dot = -slip * mu * N - felt.A_x + r_z * omega_dot - r_x * omega * omega
     return omega_dot, u_dot, N
 
 
 def standing_couples(xp: Any, felt: Felt, par: Any, turning: Turning) -> tuple[Any, Any]:
     """C [m^2/s^2] of a block that stands upright, were it to turn about its +x and its -x corner."""
-    right, _ = couple(xp, 0.0, 0.0, 1.0, par.a - par.o, -par.H, felt, par, turning)
-    left, _ = couple(xp, 0.0, 0.0, -1.0, -par.a - par.o, -par.H, felt, par, turning)
-    return right, left
+    right = on_arm(xp, 0.0, 0.0, 1.0, par.a - par.o, -par.H, felt, par, turning)
+    left = on_arm(xp, 0.0, 0.0, -1.0, -par.a - par.o, -par.H, felt, par, turning)
+    return right.C, left.C
 
 
 def standing_margins(F: Any, felt: Felt, par: Any, right: Any, left: Any) -> tuple[Any, Any]:
@@ -156,18 +165,18 @@ def flow_with(
 ) -> tuple[Any, Any, Any, Any, Any, Any]:
     """The same with effects that turn the block."""
     theta, omega = y[2], y[5]
-    felt = feel(xp, y, q, base, par)
+    r_x, r_z = corner_arm(xp, theta, q.s, par)
+    felt = feel(xp, y, r_x, r_z, base, par)
+    at = on_arm(xp, theta, omega, q.s, r_x, r_z, felt, par, turning)
     in_air = q.mode >= TRANSLATION_JUMP
     slides = q.mode == SLIDE
     rotates = q.mode == ROTATION
     slips = q.mode == SLIDE_ROTATION
-    r_x, r_z = corner_arm(xp, theta, q.s, par)
-    C, _ = couple(xp, theta, omega, q.s, r_x, r_z, felt, par, turning)
-    stuck_omega_dot, _, _ = sticking_row(xp, theta, omega, q.s, felt, par, turning)
-    slip_omega_dot, slip_u_dot, _ = sliding_row(xp, theta, omega, q.s, q.slip, felt, par, turning)
+    stuck_omega_dot, _, _ = sticking_row(omega, at, felt, par)
+    slip_omega_dot, slip_u_dot, _ = sliding_row(xp, omega, q.slip, at, felt, par)
     mu = xp.where(par.mu_k < math.inf, par.mu_k, 0.0)
     omega_dot = xp.where(rotates, stuck_omega_dot, xp.where(slips, slip_omega_dot, 0.0))
-    omega_dot = xp.where(in_air, C / par.rho2, omega_dot)
+    omega_dot = xp.where(in_air, at.C / par.rho2, omega_dot)
     u_dot = xp.where(slips, slip_u_dot, 0.0)
     u_dot = xp.where(slides, -felt.A_x - q.slip * mu * felt.A_z, u_dot)
     u_dot = xp.where(in_air, -felt.A_x + r_z * omega_dot - omega * omega * r_x, u_dot)
@@ -191,14 +200,16 @@ def guards_with(
 ) -> tuple[Any, Any, Any, Any, Any, Any, Any]:
     """The same with effects that turn the block."""
     theta, omega = y[2], y[5]
-    felt = feel(xp, y, q, base, par)
+    r_x, r_z = corner_arm(xp, theta, q.s, par)
+    felt = feel(xp, y, r_x, r_z, base, par)
+    at = on_arm(xp, theta, omega, q.s, r_x, r_z, felt, par, turning)
     at_rest = q.mode == REST
     slides = q.mode == SLIDE
     rotates = q.mode == ROTATION
     sliding = slides | (q.mode == SLIDE_ROTATION)
     in_air = q.mode >= TRANSLATION_JUMP
-    _, F, N_stick = sticking_row(xp, theta, omega, q.s, felt, par, turning)
-    _, _, N_slide = sliding_row(xp, theta, omega, q.s, q.slip, felt, par, turning)
+    _, F, N_stick = sticking_row(omega, at, felt, par)
+    _, _, N_slide = sliding_row(xp, omega, q.slip, at, felt, par)
     mu_s = xp.where(par.mu_s < math.inf, par.mu_s, 0.0)
     mu_k = xp.where(par.mu_k < math.inf, par.mu_k, 0.0)
     right, left = standing_couples(xp, felt, par, turning)

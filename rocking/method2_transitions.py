@@ -42,9 +42,11 @@ from rocking.method2_equations import (
     corner_arm,
     feel,
     nothing_turns,
+    on_arm,
     sliding_row,
     standing_couples,
     standing_margins,
+    standing_on,
     sticking_row,
 )
 
@@ -105,7 +107,8 @@ def upright(xp: Any, u: Any, felt: Felt, par: Any, gave_way: Any, tipped: Any, t
     friction_holds = (par.mu_s == math.inf) | (xp.abs(A_x) <= par.mu_s * A_z)
     stands = still & (gave_way == 0.0) & friction_holds & (margin >= 0.0)
     tips = still & ((tipped > 0.0) | (margin < 0.0))
-    _, F, N = sticking_row(xp, 0.0, 0.0, side, felt, par, turning)
+    at = on_arm(xp, 0.0, 0.0, side, side * par.a - par.o, -par.H, felt, par, turning)
+    _, F, N = sticking_row(0.0, at, felt, par)
     corner_holds = (par.mu_s == math.inf) | (xp.abs(F) <= par.mu_s * N)
     # Sliding on both corners needs the normal force inside the base: mu_k <= b/h for a rectangle, whatever the base
     # does.
@@ -129,17 +132,17 @@ def carried(
 
     gave_way: sticking has just ended and is no candidate.
     """
-    _, F, N = sticking_row(xp, theta, omega, s, felt, par, turning)
+    at = standing_on(xp, theta, omega, s, felt, par, turning)
+    _, F, N = sticking_row(omega, at, felt, par)
     rough = par.mu_s == math.inf
     still = u == 0.0
     slip = xp.where(still, xp.where(F > 0.0, -1.0, 1.0), xp.where(u > 0.0, 1.0, -1.0))
     friction_holds = rough | (xp.abs(F) <= par.mu_s * N)
     sticks = still & (gave_way == 0.0) & (N > 0.0) & friction_holds
-    _, _, N_slide = sliding_row(xp, theta, omega, s, slip, felt, par, turning)
+    _, _, N_slide = sliding_row(xp, omega, slip, at, felt, par)
     flying = xp.where(omega == 0.0, TRANSLATION_JUMP, ROTATION_JUMP)
     # With friction without limit, a corner that must not pull and cannot leave has no admissible motion.
-    _, r_z = corner_arm(xp, theta, s, par)
-    presses = felt.A_z + (r_z + par.r) * omega * omega > 1e-9 * par.g
+    presses = felt.A_z + (at.r_z + par.r) * omega * omega > 1e-9 * par.g
     mode = xp.where(N_slide > 0.0, SLIDE_ROTATION, flying)
     mode = xp.where(rough, xp.where(presses, INADMISSIBLE, flying), mode)
     mode = xp.where(sticks, ROTATION, mode)
@@ -253,7 +256,7 @@ def jump_with(
     """The same with effects that turn the block and change its restitution."""
     is_impact = (k == LANDING) | (k == CONTACT)
     # The centre of mass stays where it is, and so does what it feels.
-    felt = feel(xp, y, q, base, par)
+    felt = feel(xp, y, *corner_arm(xp, y[2], q.s, par), base, par)
     landed, x_landed = impact(xp, y, q, felt, par, k, turning, striking)
 
     flat = (q.mode == REST) | (q.mode == SLIDE)
