@@ -37,7 +37,7 @@ from studies.loop.tracing import (
     bic,
     search,
 )
-from studies.loop.whole_records import explains_more
+from studies.loop.whole_records import MISSED, explains_more
 from studies.loop.windows import scored_window
 
 Array = NDArray[np.float64]
@@ -166,8 +166,11 @@ def _compared(
         named = shorter
 
 
-def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Trial, Verdict]:
-    """The trial to keep: the named effects if they leave nothing, else with what was learned of the rest."""
+def _explained(setup: Setup, plain: Trial, named: Trial, whole: Fit, tell: Tell) -> tuple[Trial, Verdict]:
+    """The trial to keep: the named effects if they leave nothing, else with what was learned of the rest.
+
+    whole: the fit on whole records of the named effects.
+    """
     structured = over_noise(setup, named) > structure(setup)
     if not structured and len(named.parts) < 2:
         remembering = _remembering(setup, plain, named, tell)
@@ -175,7 +178,9 @@ def _explained(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> tuple[Tr
             return remembering, "unexplained"
         return named, "effect" if named.parts else "none"
     # What is learned of noise is not worth its time: names that leave no more than that stand.
-    if not structured and by_chance(setup, named):
+    # Where a block slips, swings do not say by chance; whole records do.
+    met = slips(named) and setup.by_rotation and whole.rms < MISSED
+    if not structured and (met or by_chance(setup, named)):
         return named, "effect"
     tell("learning what no effect explains")
     # Effects may stand for something unnamed, several of them above all: learning starts from the calibrated block too.
@@ -218,7 +223,7 @@ def _kept(
     before: the calibrated block, settled.
     whole: the fit on whole records of the effects that stand.
     """
-    chosen, verdict = _explained(setup, plain, stands, tell)
+    chosen, verdict = _explained(setup, plain, stands, whole, tell)
     by_name = settle(setup, stands, whole) if stands.parts else before
     if chosen is stands:
         return stands, verdict, by_name, ()

@@ -74,8 +74,8 @@ def _nothing_is_left(setup: Setup, path: Path) -> bool:
     """Whether neither swings nor whole records ask for a floor that gives."""
     # Where a block slips what is left is a median over the windows, and says nothing of a minority of them; whole
     # records do.
-    known = not slips(path.last) or path.whole.rms < MISSED
-    little = by_chance(setup, path.last) or (len(path.last.parts) < 2 and known)
+    known = path.whole.rms < MISSED if slips(path.last) else len(path.last.parts) < 2
+    little = by_chance(setup, path.last) or known
     return little and explains(setup, path.last, path.whole)
 
 

@@ -382,7 +382,7 @@ def test_what_was_learned_takes_the_place_of_names_where_it_explains_far_more(mo
         closing, "learn", lambda simulator, onto, tell, rival=None, going_on=True: other if onto is plain else onto
     )
     setup = SimpleNamespace(by_rotation=True, simulator=None, records=[])
-    chosen, verdict = closing._explained(setup, plain, found, lambda text: None)
+    chosen, verdict = closing._explained(setup, plain, found, SimpleNamespace(rms=1.0), lambda text: None)
     assert verdict == ends
     assert chosen is (found if ends == "effect" else other)
 
@@ -399,7 +399,7 @@ def test_what_only_undoes_an_effect_is_not_learned(monkeypatch):
     monkeypatch.setattr(closing, "unexplained", lambda setup: 1.05)
     monkeypatch.setattr(closing, "learn", lambda _, onto, *__, **___: plain if onto is plain else other)
     setup = SimpleNamespace(simulator=None, records=[])
-    assert closing._explained(setup, plain, found, lambda text: None) == (found, "effect")
+    assert closing._explained(setup, plain, found, SimpleNamespace(rms=1.0), lambda text: None) == (found, "effect")
 
 
 def test_nothing_is_learned_where_two_effects_leave_what_noise_leaves(monkeypatch):
@@ -411,8 +411,26 @@ def test_nothing_is_learned_where_two_effects_leave_what_noise_leaves(monkeypatc
     for by_chance, learned in ((True, 0), (False, 2)):
         monkeypatch.setattr(closing, "by_chance", lambda setup, trial, is_so=by_chance: is_so)
         setup = SimpleNamespace(simulator=None, records=[])
-        assert closing._explained(setup, plain, found, lambda text: None) == (found, "effect")
+        whole = SimpleNamespace(rms=1.0)
+        assert closing._explained(setup, plain, found, whole, lambda text: None) == (found, "effect")
         assert len(asked) == learned
+
+
+@pytest.mark.parametrize(("rms", "by_rotation", "learned"), [(1.29, True, 0), (1.31, True, 2), (1.29, False, 2)])
+def test_of_a_block_that_slips_whole_records_say_whether_two_effects_leave_anything(
+    monkeypatch, rms, by_rotation, learned
+):
+    plain, found = explained_trial(20_000.0), explained_trial(9_000.0, "sliding", "viscous_damping")
+    for part in found.parts:
+        part.slips = part.effect == "sliding"
+    monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.01)
+    monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
+    asked = []
+    monkeypatch.setattr(closing, "learn", lambda *_, **__: asked.append(1) or plain)
+    setup = SimpleNamespace(simulator=None, records=[], by_rotation=by_rotation)
+    whole = SimpleNamespace(rms=rms)
+    assert closing._explained(setup, plain, found, whole, lambda text: None) == (found, "effect")
+    assert len(asked) == learned
 
 
 def noise_alone(rng, windows, of, slips=False, noise=1e-4):

@@ -61,6 +61,14 @@ def test_floors_are_not_tried_where_two_effects_leave_nothing(ways):
     assert ways.rounds == [((), True, False), (("a",), True, False)]
 
 
+@pytest.mark.parametrize("whole, asked", [(1.29, False), (1.31, True)])
+def test_of_two_effects_of_a_block_that_slips_whole_records_say_whether_floors_are_asked(ways, whole, asked):
+    ways.chance, ways.explains, ways.whole = False, True, whole
+    ways.accepted = {((), True): path_of("a"), (("a",), True): path_of("a", "slide")}
+    searched()
+    assert any(not later for _, later, _ in ways.rounds) == asked
+
+
 @pytest.mark.parametrize("chance, explains", [(False, True), (True, False)])
 def test_floors_are_tried_in_the_same_rounds_where_two_effects_leave_something(ways, chance, explains):
     ways.chance, ways.explains = chance, explains
