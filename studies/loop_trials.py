@@ -37,6 +37,7 @@ from studies.laboratory.effects import NAMED, UNNAMED
 from studies.laboratory.judge import judge
 from studies.laboratory.outcomes import make_outcomes
 from studies.laboratory.parameters import G
+from studies.laboratory.plans import check_together
 from studies.laboratory.truth import Truth, read_truth
 from studies.running.command_line import said_of
 from studies.running.files import BadInputError, save_text, writable_folder, write_whole
@@ -255,6 +256,10 @@ def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
         for part in effect.split("+"):
             if part not in known:
                 parser.error(f"--effects {part!r}: want some of {', '.join(known)}")
+        try:
+            check_together(() if effect == "null" else effect.split("+"))
+        except (KeyError, ValueError) as error:
+            parser.error(f"--effects {effect}: {error}")
     for name in ("seeds", "jobs"):
         if getattr(options, name) < 1:
             parser.error(f"--{name} {getattr(options, name)}: want 1 or more")

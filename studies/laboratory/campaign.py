@@ -19,7 +19,7 @@ from studies.campaigns import Campaign, Channel, Conditions, DeclaredBlock, Test
 from .effects import NAMED, SPOKEN, TWINS, UNNAMED, Draw, Lab, draw
 from .instruments import Bench, reading, record, without_response
 from .parameters import housner, uniform
-from .plans import LEAN_NOISE, Plan, falls, forced, free, respond
+from .plans import LEAN_NOISE, Plan, check_together, falls, forced, free, respond
 from .prediction import calibrated, errors, predicted, rms
 from .table import Table
 from .truth import Truth
@@ -199,13 +199,14 @@ def make_campaign(
         nuisances: out of NUISANCES.
 
     Raises:
-        ValueError: an effect or nuisance that is not there.
+        ValueError: an effect or nuisance that is not there, or effects that no laboratory has together.
     """
     effects = list(effects)
     for given, known in ((effects, NAMED | UNNAMED), (nuisances, NUISANCES)):
         for one in given:
             if one not in known:
                 raise ValueError(f"{one!r}: want one of {', '.join(known)}")
+    check_together(effects)
     label = name or "+".join(effects) or "null"
     rng = seeded(seed, *effects)
     block, restitution = declared_block(rng)

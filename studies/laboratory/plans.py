@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from . import contact, event, slip
-from .effects import Lab
+from .effects import NAMED, UNNAMED, Draw, Lab
 from .event import Response
-from .parameters import G
+from .parameters import G, refuse, uniform
 from .table import Motion, Table, felt_by_motion, felt_by_record, quake, ramp
 
 LEAN_NOISE = 3e-4  # rad, of a lean set by hand
 QUIET = 4e-4  # rad
 ENGINES = {"event": event.simulate, "slip": slip.simulate, "contact": contact.simulate}
+FOREIGN = {"event": (), "slip": slip.FOREIGN, "contact": contact.FOREIGN}
+"""Numbers of a world that an engine lacks."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +34,18 @@ class Plan:
     motion: Motion | None = None
     order: int = 0
     motion_name: str | None = None
+
+
+def check_together(effects: Iterable[str]) -> None:
+    """Whether a laboratory has these effects together, before any is planted in earnest.
+
+    Raises:
+        ValueError: none has.
+    """
+    lab = Lab(uniform(0.2, 0.6, 30.0, 0.9))
+    for name in effects:
+        lab, _ = (NAMED | UNNAMED)[name](lab, Draw(1.0, 0.5, 0.5, 0.5), 1.0)
+    refuse(lab.world, FOREIGN[lab.engine], f"of the engine {lab.engine!r}")
 
 
 def worn(lab: Lab, order: int) -> Lab:

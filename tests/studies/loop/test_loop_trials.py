@@ -30,6 +30,22 @@ def test_a_campaign_that_was_closed_is_not_closed_again(tmp_path):
     assert (found["verdict"], found["failed"]) == ("none", "")
 
 
+@pytest.mark.parametrize(
+    ("effects", "said"),
+    [
+        ("sliding+bouncing", "engine='contact': another effect asks for 'slip' already, and no engine has both"),
+        ("compliant_base+rounded_edges", "not in the laboratory of the engine 'contact'"),
+        ("slosh+sliding", "not in the laboratory of the engine 'slip'"),
+        ("null+sliding", "'null'"),
+    ],
+)
+def test_effects_that_no_laboratory_has_together_are_refused_at_once(effects, said, capsys):
+    with pytest.raises(SystemExit):
+        main(["--effects", effects])
+    assert f"--effects {effects}: " in (told := capsys.readouterr().err)
+    assert said in told
+
+
 def test_an_effect_that_nobody_knows_is_refused_with_the_list(capsys):
     with pytest.raises(SystemExit):
         main(["--effects", "gremlin"])
