@@ -171,7 +171,7 @@ def solve_batch(
     for system, motion in zip(all_systems, all_motions, strict=True):
         check_kinds(system, motion, "s")
         if not system.carries_pitch and pitch_kernel(motion) is not None:
-            raise ValueError(f"motion={motion!r}: {system.name} does not carry a base that pitches, want Method 1")
+            raise ValueError(f"motion={motion!r}: {system.name} does not carry a base that pitches")
     carrier: Any = load(solver)
     if not hasattr(carrier, "solve_batch"):
         raise ValueError(f"solver={solver!r}: it has no batch; want 'numba', 'taylor', 'exact' or 'diffrax'")

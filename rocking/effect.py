@@ -94,6 +94,10 @@ class Effect:
         """
         return self.ways()
 
+    def strikes(self) -> bool:
+        """Whether, with these parameters, it changes the restitution."""
+        return "restitution" in self.ways()
+
     def values(self, form: Form) -> tuple[float, ...]:
         """Numbers that `acceleration` and `restitution` take."""
         return tuple(float(value) for value in self.parameters().values())

@@ -59,7 +59,8 @@ class Method2:
             e_n = e_t = 0 then has Housner's restitution), "kinematic" (v -> -e_n v, u -> -e_t u at the corner), or
             "two_corner" (rocking impacts are plastic, e_n and e_t have no say in them, and have `restitution` where the
             base does not slide; landings from the air are frictional).
-        restitution: e of eq. (4) [1] for "two_corner": Housner's to 1; not with another law.
+        restitution: e of eq. (4) [1] for "two_corner", 0 to 1; not with another law.  Below Housner's the corners would
+            have to pull, and what more is lost is taken from the rotation by a couple.
         g: acceleration of gravity [m/s^2].
         rest_speed: a rocking impact after which |omega| / p is below this [1] brings the block upright.
         chatter_time: a series of bounces that would end within this time [s] is finished at once.
@@ -162,9 +163,10 @@ class Method2:
         form, e = self.shape, self.restitution
         low = form.least_restitution
         if not low * (1.0 - 1e-12) <= e <= 1.0:
+            whose = f"for b/h={self.block.b / self.block.h:.4g}" if self.form is None else "of this form"
             raise ValueError(
-                f"restitution={e!r}: want {low:.6g} (Housner's for b/h={self.block.b / self.block.h:.4g}) to 1 for the "
-                "two-corner impact; a smaller one would need a corner that pulls"
+                f"restitution={e!r}: want {low:.6g} (Housner's {whose}) to 1 for the two-corner impact; a smaller one "
+                "would need a corner that pulls"
             )
         for s, given in zip((1.0, -1.0), form.restitutions(e), strict=True):
             arm = form.half_breadth + s * form.offset  # of the corner that takes over
@@ -226,7 +228,7 @@ class Method2:
             theta, omega: rotation [rad] and angular velocity [rad/s].
             u, v: horizontal and vertical velocity [m/s] of the carrying corner: that to which the block leans, else
                 turns, else slides.
-            x: position [m] of the middle of the base when upright; the lower corner's is x +- b/2.
+            x: position [m] of the middle of the base when upright; the lower corner's is half of the breadth off.
             z: height [m] of the lower corner over the floor, 0 or more.
 
         Raises:

@@ -215,7 +215,10 @@ def guards_with(
     right, left = standing_couples(xp, felt, par, turning)
     friction = xp.where(slides, -q.slip * mu_k * felt.A_z, felt.A_x)
     over_right, over_left = standing_margins(friction, felt, par, right, left)
+    # Of a slide by its weight, so that it does not go to zero where the block leaves the floor.
+    weight = xp.where(slides & (felt.A_z > 0.0), felt.A_z, par.g)
     margin = xp.minimum(over_right, over_left) + xp.where(slides, 2.0 * WITHIN * par.a * felt.A_z, par.hold)
+    margin = xp.where(slides & (felt.A_z <= 0.0), par.H * par.g, margin * (par.g / weight))
 
     fall = 0.5 * math.pi - xp.abs(theta)
     landing = xp.where(rotates | (q.mode == SLIDE_ROTATION), q.s * theta, 1.0)

@@ -38,6 +38,7 @@ from rocking.method2_equations import (
     TWO_CORNER,
     WITHIN,
     Felt,
+    Stance,
     Turning,
     corner_arm,
     feel,
@@ -102,7 +103,7 @@ def upright(xp: Any, u: Any, felt: Felt, par: Any, gave_way: Any, tipped: Any, t
     slip = xp.where(still, xp.where(A_x > 0.0, -1.0, 1.0), xp.where(u > 0.0, 1.0, -1.0))
     right, left = standing_couples(xp, felt, par, turning)
     over_right, over_left = standing_margins(A_x, felt, par, right, left)
-    side = xp.where(over_right < over_left, 1.0, -1.0)
+    side = xp.where(over_right == over_left, slip, xp.where(over_right < over_left, 1.0, -1.0))
     margin = xp.minimum(over_right, over_left) + par.hold
     friction_holds = (par.mu_s == math.inf) | (xp.abs(A_x) <= par.mu_s * A_z)
     stands = still & (gave_way == 0.0) & friction_holds & (margin >= 0.0)
@@ -115,6 +116,7 @@ def upright(xp: Any, u: Any, felt: Felt, par: Any, gave_way: Any, tipped: Any, t
     mu = xp.where(par.mu_k < math.inf, par.mu_k, 0.0)
     over_right, over_left = standing_margins(-slip * mu * A_z, felt, par, right, left)
     trip = xp.where(over_right < over_left, 1.0, -1.0)
+    trip = xp.where((over_right == over_left) | (par.mu_k == math.inf), slip, trip)
     flat = xp.minimum(over_right, over_left) >= -WITHIN * par.a * A_z
     flat = flat & (par.mu_k < math.inf) & (still | (tipped == 0.0))
     mode = xp.where(flat, SLIDE, SLIDE_ROTATION)
@@ -123,6 +125,11 @@ def upright(xp: Any, u: Any, felt: Felt, par: Any, gave_way: Any, tipped: Any, t
     mode = xp.where(A_z > 0.0, mode, TRANSLATION_JUMP)
     s = xp.where(mode == ROTATION, side, xp.where(mode == SLIDE_ROTATION, trip, slip))
     return Touch(s, 0.0, u, 0.0, 0.0, mode, slip)
+
+
+def falls(omega: Any, at: Stance, felt: Felt, par: Any) -> Any:
+    """Acceleration [m/s^2] with which a corner that nothing holds goes down."""
+    return felt.A_z + (at.r_z + par.r) * omega * omega + at.r_x * at.C / par.rho2
 
 
 def carried(
@@ -142,7 +149,7 @@ def carried(
     _, _, N_slide = sliding_row(xp, omega, slip, at, felt, par)
     flying = xp.where(omega == 0.0, TRANSLATION_JUMP, ROTATION_JUMP)
     # With friction without limit, a corner that must not pull and cannot leave has no admissible motion.
-    presses = felt.A_z + (at.r_z + par.r) * omega * omega > 1e-9 * par.g
+    presses = falls(omega, at, felt, par) > 1e-9 * par.g
     mode = xp.where(N_slide > 0.0, SLIDE_ROTATION, flying)
     mode = xp.where(rough, xp.where(presses, INADMISSIBLE, flying), mode)
     mode = xp.where(sticks, ROTATION, mode)
@@ -158,7 +165,7 @@ def corner_landing(
     kinematic = par.law == KINEMATIC
     P_x, P_z = corner_impulse(xp, r_x, r_z, u, v, par.rho2, par.mu_k, par.e_n, par.e_t, kinematic)
     u_up, v_up, omega_up = after_impulse(r_x, r_z, u, v, omega, P_x, P_z, par.rho2)
-    gravity = felt.A_z + (r_z + par.r) * omega_up * omega_up
+    gravity = falls(omega_up, standing_on(xp, theta, omega_up, s, felt, par, turning), felt, par)
     ends = 2.0 * v_up <= par.chatter_time * gravity * (1.0 - par.e_n)
 
     P_x, P_z = corner_impulse(xp, r_x, r_z, u, v, par.rho2, par.mu_k, 0.0, par.e_t, kinematic)

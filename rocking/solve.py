@@ -88,7 +88,7 @@ def solve(
         system = compose(system, effects)
         base = base_with(base, effects, (float(t_start), float(t_end)), system.g)
     if pitch_kernel(base) is not None and not system.carries_pitch:
-        raise ValueError(f"motion={base!r}: {system.name} does not carry a base that pitches, want Method 1 for that")
+        raise ValueError(f"motion={base!r}: {system.name} does not carry a base that pitches")
     carrier = load(solver)
     refusal = carrier.declines(system, base)
     if refusal is not None:

@@ -151,12 +151,20 @@ def _under_method2(method: Any, form: Any, effects: Sequence[Effect]) -> System:
     system: Any = method if leading else replace(method, form=own)
     for effect in leading:
         system = effect.modes(system, own)
-    hooks = _hooks(effects, form)
-    if hooks.striking > 0 and system.normal_restitution > 0.0:
-        striking = next(e for e in effects if "restitution" in e.ways())
-        raise ValueError(f"{striking.name}: beside bouncing corners no restitution is there that it could change")
-    if hooks.striking > 0 and system.restitution is None:
-        system = replace(system, impact_law="two_corner", restitution=form.least_restitution)
+    striking = [e for e in effects if e.strikes()]
+    if striking and system.impact_law != "two_corner":
+        # Without bounce and tangential restitution it is the same law, but for a number that can be changed.
+        if (system.impact_law, system.normal_restitution, system.tangential_restitution) != ("frictional", 0.0, 0.0):
+            raise ValueError(
+                f"{striking[0].name}: it changes the restitution, which impacts that bounce or turn back have not as a "
+                "number"
+            )
+        try:
+            system = replace(system, impact_law="two_corner", restitution=form.least_restitution)
+        except ValueError as error:
+            raise ValueError(f"{striking[0].name}: {error}") from None
+    # Those that do not strike with these numbers are kept where there is what others of a batch may change.
+    hooks = _hooks(effects, form, None if system.impact_law == "two_corner" else striking)
     return ComposedMethod2(system, hooks, tuple(effects)) if hooks.pushing + hooks.striking > 0 else system
 
 
@@ -170,12 +178,15 @@ def _under_method1(method: Any, form: Any, effects: Sequence[Effect]) -> System:
     return further[0].freedoms(system) if further else system
 
 
-def _hooks(effects: Sequence[Effect], form: Any) -> Any:
-    """The hooks of the effects and the numbers they take, one row each."""
+def _hooks(effects: Sequence[Effect], form: Any, striking: Sequence[Effect] | None = None) -> Any:
+    """The hooks of the effects and the numbers they take, one row each.
+
+    striking: those that change the restitution; all that may, if not given.
+    """
     from rocking.hybrid import Hooks
 
     pushing = [e for e in effects if "acceleration" in e.ways()]
-    striking = [e for e in effects if "restitution" in e.ways()]
+    striking = [e for e in effects if "restitution" in e.ways()] if striking is None else list(striking)
     slots = _filled(max(len(pushing), len(striking)))
     accelerations = [type(e).acceleration for e in pushing] + [_nothing_added] * (slots - len(pushing))
     restitutions = [type(e).restitution for e in striking] + [_unchanged] * (slots - len(striking))

@@ -75,6 +75,10 @@ class LearnedTerm(Effect):
     acceleration = staticmethod(torque)
     restitution = staticmethod(loss)
 
+    def strikes(self) -> bool:
+        """With any of its coefficients of restitution."""
+        return (self.restitution_side, self.restitution_speed, self.restitution_square) != (0.0, 0.0, 0.0)
+
     def values(self, form: Form) -> tuple[float, ...]:
         """The coefficients in the order of the fields."""
         return tuple(float(getattr(self, name)) for name in self.parameter_names())

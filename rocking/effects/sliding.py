@@ -5,7 +5,7 @@ Parameters  friction mu [1], static and kinetic; no slip at any load (infinite) 
             what an impact keeps of the ratio of angular velocities where the base slides; beside bouncing nothing
 Use when    the base acceleration comes near mu g, or the block is stocky
 Limits      those of Method 2; a given restitution is carried by its two-corner law, which cannot have one below
-            Housner's.  Not with effects that have further freedoms
+            Housner's, that of the form.  Not with effects that have further freedoms
 Source      Ishiyama (1982); `rocking.method2`
 Status      tests of Method 2
 """

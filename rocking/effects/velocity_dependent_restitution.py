@@ -30,3 +30,7 @@ class VelocityDependentRestitution(Effect):
     name: ClassVar[str] = "velocity_dependent_restitution"
     units: ClassVar[dict[str, str]] = {"slope": "s/rad"}
     restitution = staticmethod(steeper)
+
+    def strikes(self) -> bool:
+        """With any slope."""
+        return self.slope != 0.0

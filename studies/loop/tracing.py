@@ -289,6 +289,9 @@ def _on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> _First 
     for start in (*candidate.starts, *([nothing] if candidate.smooth else [])):
         try:
             model = onto.swing.model.changed({**least, **candidate.fixed, **start})
+            if any(part.least_restitution > 0.0 for part in (*onto.parts, candidate)):
+                lowest = model.least_restitution * (1.0 + 1e-9)
+                model = model.changed({RESTITUTION: max(model.restitution, lowest)})
             starts.append((model, *((some, 0.0) if candidate.smooth else _afresh(simulator, model, some))))
         except ValueError as refusal:
             reason = str(refusal)

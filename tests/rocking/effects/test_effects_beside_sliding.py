@@ -17,7 +17,8 @@ from rocking import Block, Method1, Method2, Mode, scalars, solve, solve_batch
 from rocking.effect import Effect
 from rocking.effects import compose, load, parse
 from rocking.form import Form
-from rocking.hybrid import Base, Discrete
+from rocking.hybrid import INADMISSIBLE, Base, Discrete
+from rocking.method2_equations import LIFT
 
 BLOCK = Block(b=0.2, h=0.8)
 G = 9.80665
@@ -78,6 +79,7 @@ def test_beside_sliding_an_effect_with_its_absent_values_is_not_there(name: str)
     np.testing.assert_allclose(run.events.t, plain.events.t, rtol=0.0, atol=1e-11)
 
 
+signs = st.sampled_from([1.0, -1.0])
 MANY = ["sliding.friction=0.27", *CASES["two at once"], *CASES["velocity_dependent_restitution"], *CASES["table_pitch"]]
 
 
@@ -147,6 +149,38 @@ def test_a_slide_on_both_corners_ends_where_the_normal_force_leaves_the_base() -
     assert run.theta[-1] > 0.0
 
 
+# Its normal force is inside the base for any weight, down to none at all.
+@pytest.mark.parametrize("solver", ["scipy", "numba"])
+@pytest.mark.parametrize("mu", [0.1, 0.15, 0.2, 0.23, 0.25])
+def test_a_block_that_slides_leaves_a_floor_that_falls_without_tripping(mu: float, solver: str) -> None:
+    class Falling:
+        max_step, breakpoints, parameters = 0.01, (0.0,), np.array([3.0, 14.0, 6.0])
+
+        @staticmethod
+        def kernel(xp: Any, t: Any, par: Any) -> Any:
+            return -par[0] + 0.0 * t, -par[1] * xp.sin(par[2] * t)
+
+    run = solve(Method2(BLOCK, friction=mu, g=G), Falling(), t_end=0.14, solver=solver)
+    assert list(run.events.mode_after) == [Mode.SLIDE, Mode.TRANSLATION_JUMP]
+    assert run.events.t[1] == pytest.approx(math.asin(G / 14.0) / 6.0, abs=1e-9)
+
+
+# By Newton: a corner goes down with -(z'' - omega' r_x - omega^2 r_z) in the air, z'' = -g, omega' = C / rho2.  It
+# leaves if that is negative, and has no motion without friction's pull if not.
+@given(theta=st.floats(0.05, 0.6), omega=st.floats(-6.0, 6.0), turning=st.floats(-15.0, 15.0), s=signs)
+def test_without_a_limit_to_friction_a_corner_leaves_if_it_would_go_up(
+    theta: float, omega: float, turning: float, s: float
+) -> None:
+    system = Method2(BLOCK, friction=math.inf, g=G)
+    base = Base(0.0, 0.0, 0.0, turning)
+    y = (0.1, 0.0, s * theta, 0.0, 0.0, omega)
+    after, q = system.jump(scalars, y, Discrete(Mode.ROTATION, s, 1.0), base, system.parameters, LIFT)
+    in_air = system.flow(scalars, y, Discrete(Mode.ROTATION_JUMP, s, 1.0), base, system.parameters)
+    assume(abs(in_air[4]) > 1e-6)
+    assert q.mode == (Mode.ROTATION_JUMP if in_air[4] > 0.0 else INADMISSIBLE)
+    assert after[5] == omega
+
+
 def swing_over(system: Any, s: float, omega: float, u: float) -> Any:
     """What follows when a block that turns back about corner s lands on the other one."""
     y = (0.0, 0.0, 0.0, u, 0.0, -s * omega)
@@ -154,11 +188,44 @@ def swing_over(system: Any, s: float, omega: float, u: float) -> Any:
     return system.jump(scalars, y, Discrete(mode, s, 1.0 if u >= 0.0 else -1.0), STILL, system.parameters, 1)
 
 
+LOW = ["sliding.friction=0.05"]
+
+
+def test_a_restitution_that_changes_has_to_be_there() -> None:
+    plain = Method1(BLOCK, g=G)
+    # Neither a torque nor an effect at its absent value asks for one.
+    for text in ("learned_term.side=0.1", "velocity_dependent_restitution.slope=0"):
+        system: Any = compose(plain, parse([*LOW, text]))
+        assert getattr(system, "method", system).impact_law == "frictional"
+    compose(plain, parse(["bouncing.normal_restitution=0.2", "learned_term.side=0.1"]))
+    changing = parse(["velocity_dependent_restitution.slope=-0.01"])
+    system = compose(plain, [*parse(["sliding.friction=0.3"]), *changing])
+    assert (system.method.impact_law, system.method.restitution) == ("two_corner", BLOCK.housner_restitution)
+    with pytest.raises(ValueError, match=r"velocity_dependent_restitution: friction=0\.05 .* want at least 0\.18"):
+        compose(plain, [*parse(LOW), *changing])
+    kinematic = Method2(BLOCK, friction=0.5, impact_law="kinematic", tangential_restitution=0.3)
+    turning_back = Method2(BLOCK, friction=0.5, tangential_restitution=0.3)
+    for method in (kinematic, turning_back, Method2(BLOCK, friction=0.5, normal_restitution=0.2)):
+        with pytest.raises(ValueError, match="velocity_dependent_restitution: it changes the restitution, which"):
+            compose(method, changing)
+    # Rocking impacts of this law have it, whatever landings from the air do.
+    both = Method2(BLOCK, friction=0.5, impact_law="two_corner", restitution=0.95, normal_restitution=0.2)
+    assert compose(both, changing).parameters.hooks.striking == 1  # type: ignore[attr-defined]
+
+
+def test_a_system_that_does_not_carry_a_pitch_says_so() -> None:
+    class Level(Method1):
+        carries_pitch = False
+
+    for run in (solve, solve_batch):
+        with pytest.raises(ValueError, match="method1 does not carry a base that pitches"):
+            run(Level(BLOCK), MOTION, t_end=0.1, effects=parse(CASES["table_pitch"]))  # type: ignore[operator]
+
+
 forms = st.builds(
     Form, st.floats(0.05, 0.15), st.floats(0.0, 0.02), st.floats(-0.02, 0.02), st.floats(0.3, 0.6), st.just(1.0),
     st.floats(0.02, 0.2),
 )  # fmt: skip
-signs = st.sampled_from([1.0, -1.0])
 
 
 def restitution_of(form: Form, part: float) -> float:

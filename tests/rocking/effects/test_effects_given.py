@@ -132,7 +132,7 @@ def test_every_block_carries_what_acts_on_base_and_sensors(shaken: Any, name: st
         ),
         (
             ("bouncing.normal_restitution=0.5", "velocity_dependent_restitution.slope=-0.01"),
-            "velocity_dependent_restitution: beside bouncing corners no restitution is there that it could change",
+            "velocity_dependent_restitution: it changes the restitution, which impacts that bounce or turn back have",
         ),
         (
             ("bouncing.friction=0.5", "sliding.friction=0.5"),

@@ -13,7 +13,7 @@ from studies.laboratory.effects import NAMED, UNNAMED, Lab, draw
 from studies.laboratory.judge import check, coverage, judge, tracing
 from studies.laboratory.outcomes import make_outcomes
 from studies.laboratory.parameters import G, uniform
-from studies.laboratory.plans import Plan, respond, worn
+from studies.laboratory.plans import Plan, check_together, respond, worn
 from studies.laboratory.prediction import errors, predicted, rms
 from studies.laboratory.table import ramp
 from studies.laboratory.truth import read_truth
@@ -126,6 +126,47 @@ def test_every_effect_moves_what_is_recorded(name: str) -> None:
         assert lab.sensors != LAB.sensors
     else:
         assert moved > 5e-4
+
+
+# Beside a block that slides, or stands on springs, an effect moves what is recorded too, or is refused.  What adheres
+# does nothing where friction gives way before it.
+@pytest.mark.parametrize("engine", ["sliding", "compliant_base"])
+@pytest.mark.parametrize("name", [*NAMED, *UNNAMED])
+def test_beside_another_engine_an_effect_is_there_or_refused(engine: str, name: str) -> None:
+    try:
+        check_together([engine, name])
+    except ValueError:
+        return
+    if (engine, name) == ("sliding", "base_adhesion"):
+        return
+    d = draw(np.random.default_rng(7))
+    one, _ = NAMED[engine](LAB, d, 1.0)
+    both, _ = (NAMED | UNNAMED)[name](one, d, 3.0)
+    assert both.engine == one.engine
+    if both.sensors != one.sensors or both.wear != one.wear:
+        return  # seen by the sensor alone, or from test to test
+    moved = 0.0
+    for plan in (
+        Plan("a", "free", 250.0, 300, 0.26, 0.26, None, 3),
+        Plan("b", "forced", 250.0, 700, motion=ramp(np.random.default_rng(1), 8.0, 16.0), order=4),
+    ):
+        moved = max(moved, float(np.nanmax(np.abs(respond(both, plan).rotation - respond(one, plan).rotation))))
+    assert moved > 5e-4
+
+
+def test_what_is_refused_is_what_an_engine_lacks() -> None:
+    refused: dict[str, list[str]] = {"sliding": [], "compliant_base": []}
+    for engine, names in refused.items():
+        for name in {**NAMED, **UNNAMED}:
+            try:
+                check_together([engine, name])
+            except ValueError:
+                names.append(name)
+    others = ["compliant_base", "winkler_bed", "sliding", "bouncing"]
+    assert refused["sliding"] == [*others, "hinge_friction", "hysteretic_layer", "slosh"]
+    at_impacts = ["velocity_dependent_restitution", "restitution_by_side", "leaking_restitution", "bedding_in"]
+    lacking = ["rounded_edges", "base_adhesion", "hinge_friction", "hysteretic_layer", "slosh"]
+    assert sorted(refused["compliant_base"]) == sorted([*others, *at_impacts, *lacking])
 
 
 def test_wear_counts_tests() -> None:

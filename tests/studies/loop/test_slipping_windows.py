@@ -5,6 +5,7 @@ The record is made with the package's SciPy solver and noise; the fits run on th
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ import pytest
 from excitation import RampedSinusoid
 from rocking import Block, Method2, Mode, solve
 from studies.campaigns import Channel, DeclaredBlock, Test
+from studies.loop import tracing
 from studies.loop.candidates import candidates
 from studies.loop.fitting import fit
 from studies.loop.model import LoopModel
@@ -81,3 +83,35 @@ def test_sliding_is_traced_among_its_rivals(tests: list[Test], windows: list[Any
     assert best is not None and pays(plain.swing, best.swing)
     assert best.effects == ("sliding",)
     assert best.swing.model.get("sliding.friction") == pytest.approx(FRICTION, rel=0.02)
+
+
+# Rounded edges keep more of a swing than sharp ones (angular momentum about the new edge).  Beside sliding, whose
+# impacts have no less, a start with the restitution that was calibrated without them would be refused.
+def test_a_start_beside_sliding_has_a_restitution_that_the_form_allows(monkeypatch: pytest.MonkeyPatch) -> None:
+    sliding = next(c for c in candidates(DECLARED) if c.name == "sliding")
+    rounded = next(c for c in candidates(DECLARED) if c.name == "rounded_edges")
+    model = LoopModel(DECLARED, E, {"sliding": {"friction": 0.5}})
+    swing = SimpleNamespace(model=model, windows=(), residuals=())
+    onto: Any = SimpleNamespace(
+        swing=swing,
+        parts=(sliding,),
+        parameters=(),
+        costly=False,
+        effects=("sliding",),
+        calibrated_with=lambda part: (),
+    )
+    tried: list[LoopModel] = []
+
+    def noted(simulator: Any, model: LoopModel, *_: Any, **__: Any) -> Any:
+        tried.append(model)
+        raise ValueError("enough")
+
+    monkeypatch.setattr(tracing, "fit", noted)
+    assert tracing._on_some(None, onto, rounded) == "enough"  # type: ignore[arg-type]
+    assert any(m.get("rounded_edges.radius") > 0.0 for m in tried)
+    for m in tried:
+        assert m.system.name == "method2"
+        assert m.restitution == pytest.approx(max(E, m.least_restitution), rel=2e-9)
+    alone = LoopModel(DECLARED, E, {"rounded_edges": {"radius": 0.005}, "sliding": {"friction": 0.5}})
+    with pytest.raises(ValueError, match="Housner's of this form"):
+        _ = alone.system
