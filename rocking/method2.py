@@ -13,8 +13,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
 
-import numpy as np
-
 from rocking.block import G_STANDARD, Block
 from rocking.form import Form, levers
 from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, SLIDE, SLIDE_ROTATION, TRANSLATION_JUMP, Anchor, Discrete
@@ -41,7 +39,7 @@ KINEMATIC_CHI = 0.36
 """Largest value over all tilts of 9 s^2 c^2 / ((1 + 3 s^2)(1 + 3 c^2)), s, c = sin, cos psi, at psi = pi/4."""
 
 
-TILTS = np.linspace(0.0, 0.5 * math.pi, 721)
+TILTS = tuple(math.radians(0.25 * k) for k in range(361))
 """Tilts [rad] at which a sliding corner of a form that is no rectangle is looked at for jamming."""
 
 
@@ -138,13 +136,21 @@ class Method2:
                 )
             return
         form = self.form
+        # The least over all arms across, for the highest that there may be: enough for most.
+        highest = (
+            math.hypot(form.half_breadth + abs(form.offset), form.mass_height - form.edge_radius) + form.edge_radius
+        )
+        if (self.mu_k * highest) ** 2 < 4.0 * form.rho2:
+            return
         for s in (1.0, -1.0):
             # In the worse of both directions of slip.
-            _, _, up, across = levers(
-                np, TILTS, form.half_breadth, form.edge_radius, form.half_breadth - s * form.offset,
-                form.mass_height - form.edge_radius,
-            )  # fmt: skip
-            if np.any(form.rho2 + across**2 - self.mu_k * up * np.abs(across) <= 0.0):
+            for tilt in TILTS:
+                _, _, up, across = levers(
+                    math, tilt, form.half_breadth, form.edge_radius, form.half_breadth - s * form.offset,
+                    form.mass_height - form.edge_radius,
+                )  # fmt: skip
+                if form.rho2 + across**2 - self.mu_k * up * abs(across) > 0.0:
+                    continue
                 raise ValueError(
                     f"friction={self.mu_k!r} (kinetic): want less, a sliding corner of {form} may jam, or math.inf"
                 )
