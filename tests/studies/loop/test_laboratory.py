@@ -473,8 +473,17 @@ def test_a_corner_that_bounces_moves_as_the_package_has_it(held: float, apart: f
 
 
 # The same for effects on the equations: a couple of the package's own, beside springs, against the laboratory's torque.
-@pytest.mark.parametrize("name", ["concave_base", "mass_distribution", "base_tilt", "viscous_damping", "quadratic_drag",
-                                  "tether", "eccentric_mass"])  # fmt: skip
+@pytest.mark.parametrize(
+    "name",
+    [
+        "viscous_damping",
+        "eccentric_mass",
+        *(
+            pytest.param(name, marks=pytest.mark.slow)
+            for name in ("concave_base", "mass_distribution", "base_tilt", "quadratic_drag", "tether")
+        ),
+    ],
+)
 def test_a_corner_that_bounces_has_the_effects_of_the_package(name: str) -> None:
     effects, changes = SAME.get(name, ([load("eccentric_mass")(offset=0.002)], {"offset": 0.002}))
     frequency, e_n = 250.0, 0.7
