@@ -2,7 +2,7 @@
 
 Cases    one campaign for each effect and seed (studies.laboratory shares no code with the models): named effects,
          effects on no list (right answer: unexplained), pairs, clean ones; by option weak ones, spoiled records,
-         accelerometers in place of the rotation, outcomes alone.
+         accelerometers in place of the rotation, outcomes alone, or a block in MuJoCo in place of the laboratory's.
 Peers    the calibrated baseline of the same run (error before), and the true model under the same noise of base and
          leans (the floor): the loop's error after the effect stands between the two.
 Measure  verdict, effects traced (as named, by a twin, in a set that cannot be told apart), false alarms, share of true
@@ -32,6 +32,7 @@ import numpy as np
 from tqdm import tqdm
 
 from excitation import _early
+from studies.laboratory import by_mujoco
 from studies.laboratory.campaign import NUISANCES, make_campaign
 from studies.laboratory.effects import NAMED, UNNAMED
 from studies.laboratory.judge import judge
@@ -45,7 +46,7 @@ from studies.running.interrupts import first_done, noted
 from studies.running.lock import alone
 
 OUT = Path("build/studies/loop_trials")
-QUICK = ("null", "quadratic_drag")
+QUICK = ("null", "viscous_damping")
 PAIRS = (
     "rounded_edges+viscous_damping",
     "base_tilt+velocity_dependent_restitution",
@@ -65,13 +66,15 @@ class Case:
     strength: str
     channel: str
     nuisances: tuple[str, ...]
+    engine: str = "event"
 
     @property
     def name(self) -> str:
         """What it is called in the table."""
         odd = "" if self.strength == "strong" else f"-{self.strength}"
         kind = "" if self.channel == "rotation" else f"-{self.channel}"
-        return f"{'+'.join(self.effects) or 'null'}{odd}{kind}-{self.seed}"
+        engine = "" if self.engine == "event" else f"-{self.engine}"
+        return f"{'+'.join(self.effects) or 'null'}{odd}{kind}{engine}-{self.seed}"
 
 
 def made(case: Case, folder: Path) -> Truth:
@@ -82,7 +85,7 @@ def made(case: Case, folder: Path) -> Truth:
         else:
             make_campaign(
                 case.seed, case.effects, folder, strength=case.strength, channel=case.channel,
-                nuisances=case.nuisances, name=case.name,
+                nuisances=case.nuisances, name=case.name, engine=case.engine,
             )  # fmt: skip
     return read_truth(folder / "truth")
 
@@ -230,13 +233,25 @@ def report(rows: Sequence[dict[str, Any]], path: Path) -> None:
     write_whole(path, write)
 
 
+def _not_had(effect: str, engine: str) -> str:
+    """Why a laboratory of that engine does not have it; nothing where it has."""
+    try:
+        check_together(() if effect == "null" else effect.split("+"), engine)
+    except (KeyError, ValueError) as error:
+        return str(error)
+    return ""
+
+
 def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
     """What the command line says."""
     known = ["null", *NAMED, *UNNAMED]
     parser = argparse.ArgumentParser(
         prog="python -m studies.loop_trials", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--effects", nargs="+", default=[*known, *PAIRS], help="names, pairs as a+b, null for none")
+    parser.add_argument(
+        "--effects", nargs="+",
+        help="names, pairs as a+b, null for none (all names that the engine has, and four pairs)",
+    )  # fmt: skip
     parser.add_argument("--quick", action="store_true", help=f"{' and '.join(QUICK)} alone")
     parser.add_argument("--seeds", type=int, default=1, help="campaigns for each")
     parser.add_argument("--first-seed", type=int, default=1001, help="seed of the first (%(default)s)")
@@ -246,20 +261,32 @@ def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
         "--channel", choices=("rotation", "block_acceleration", "outcome"), default="rotation",
         help="what the laboratory hands over (%(default)s)",
     )  # fmt: skip
+    parser.add_argument(
+        "--engine", choices=("event", "mujoco"), default="event",
+        help="whose block it is: the laboratory's own, or MuJoCo's, which has fewer effects (%(default)s)",
+    )  # fmt: skip
     parser.add_argument("--nuisances", nargs="*", default=[], choices=NUISANCES, help="what else is not ideal there")
     parser.add_argument("--out", type=Path, default=OUT, help="folder of campaigns, runs and table (%(default)s)")
     parser.add_argument("--csv", type=Path, help="the table (loop_trials.csv in that folder)")
     parser.add_argument("--command", default=f"{sys.executable} -m studies.loop", help="what is judged")
     options = parser.parse_args(given)
-    options.effects = list(QUICK) if options.quick else options.effects
-    for effect in options.effects:
+    for effect in options.effects or ():
         for part in effect.split("+"):
             if part not in known:
                 parser.error(f"--effects {part!r}: want some of {', '.join(known)}")
+        wrong = _not_had(effect, options.engine)
+        if wrong:
+            parser.error(f"--effects {effect}: {wrong}")
+    if options.quick:
+        options.effects = list(QUICK)
+    options.effects = options.effects or [e for e in [*known, *PAIRS] if not _not_had(e, options.engine)]
+    if options.engine == "mujoco":
+        if options.channel == "outcome":
+            parser.error("--channel outcome: want another, or --engine event")
         try:
-            check_together(() if effect == "null" else effect.split("+"))
-        except (KeyError, ValueError) as error:
-            parser.error(f"--effects {effect}: {error}")
+            by_mujoco.package()
+        except ValueError as error:
+            parser.error(f"--{error}")
     for name in ("seeds", "jobs"):
         if getattr(options, name) < 1:
             parser.error(f"--{name} {getattr(options, name)}: want 1 or more")
@@ -297,7 +324,7 @@ def _run_trials(options: argparse.Namespace) -> int:
     cases = [
         Case(
             () if e == "null" else tuple(e.split("+")), options.first_seed + k,
-            options.strength, options.channel, tuple(options.nuisances),
+            options.strength, options.channel, tuple(options.nuisances), options.engine,
         )
         for e in options.effects
         for k in range(options.seeds)

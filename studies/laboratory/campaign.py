@@ -16,6 +16,7 @@ import numpy as np
 
 from studies.campaigns import Campaign, Channel, Conditions, DeclaredBlock, Test, write
 
+from .by_mujoco import ratio_by_momentum
 from .effects import NAMED, SPOKEN, TWINS, UNNAMED, Draw, Lab, draw
 from .instruments import Bench, reading, record, without_response
 from .parameters import housner, uniform
@@ -119,7 +120,7 @@ def visibility(
         # Judged in rotation all the same: the strength of an effect is no matter of the instrument.
         seen = Bench((Channel("rotation", "rotation", 2e-4), *[c for c in bench.channels if not c.is_response]), {})
         tests = [record(seeded(0, p.id), lab, p, respond(lab, p), seen) for p in plans]
-    model, before = calibrated(replace(ideal, table=Table()), tests)
+    model, before = calibrated(replace(ideal, table=Table(), engine="event"), tests)
     return model, before, float(np.median(errors(lab, tests)))
 
 
@@ -188,6 +189,7 @@ def make_campaign(
     channel: str = "rotation",
     nuisances: Sequence[str] = (),
     name: str | None = None,
+    engine: str = "event",
 ) -> Truth:
     """Write `folder/campaign`, `folder/predict` and `folder/truth`; the truth.
 
@@ -197,6 +199,7 @@ def make_campaign(
         strength: "strong" or "weak": error of the calibrated baseline over that of the true model, TARGET.
         channel: "rotation" or "block_acceleration".
         nuisances: out of NUISANCES.
+        engine: "event", which effects may replace by one that has them, or "mujoco".
 
     Raises:
         ValueError: an effect or nuisance that is not there, or effects that no laboratory has together.
@@ -206,11 +209,13 @@ def make_campaign(
         for one in given:
             if one not in known:
                 raise ValueError(f"{one!r}: want one of {', '.join(known)}")
-    check_together(effects)
+    check_together(effects, engine)
     label = name or "+".join(effects) or "null"
     rng = seeded(seed, *effects)
     block, restitution = declared_block(rng)
-    ideal = Lab(uniform(block.breadth, block.height, block.mass, restitution))
+    if engine == "mujoco":
+        restitution = housner(block.breadth, block.height)
+    ideal = Lab(uniform(block.breadth, block.height, block.mass, restitution), engine=engine)
     odd = frozenset(nuisances)
     vertical = "vertical_channel" in odd and "vertical_motion" not in effects
     bench = replace(channels_of(rng, block, channel, vertical), nuisances=odd)
@@ -244,7 +249,7 @@ def make_campaign(
         verdicts=verdict_of(effects),
         accepted=accepted_of(effects),
         parameters=parameters,
-        restitution=lab.world.restitution,
+        restitution=ratio_by_momentum(lab.world) if engine == "mujoco" else lab.world.restitution,
         channel=channel,
         noise=noise,
         floor={"fit": floor, "predict": scores["floor"]},

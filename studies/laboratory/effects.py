@@ -68,13 +68,15 @@ def _world(lab: Lab, **changes: Any) -> Lab:
 
 
 def _in(engine: str, lab: Lab) -> Lab:
-    """The laboratory with that engine.
+    """The laboratory with that engine, or with one that has what is asked of it.
 
     Raises:
-        ValueError: another effect has chosen one, and no engine has both.
+        ValueError: another one is chosen, and no engine has both.
     """
+    if engine == "slip" and lab.engine == "mujoco":
+        return lab
     if lab.engine != "event":
-        raise ValueError(f"engine={engine!r}: another effect asks for {lab.engine!r} already, and no engine has both")
+        raise ValueError(f"engine={engine!r}: the laboratory is of {lab.engine!r} already, and no engine has both")
     return replace(lab, engine=engine)
 
 

@@ -78,7 +78,7 @@ class World:
 INDEX = {f.name: k for k, f in enumerate(fields(World))}
 
 
-def refuse(world: World, foreign: tuple[str, ...], which: str) -> None:
+def refuse(world: object, foreign: tuple[str, ...], which: str) -> None:
     """Of the numbers named, each zero where its effect is absent, none may be there.
 
     Raises:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from . import contact, event, slip
+from . import by_mujoco, contact, event, slip
 from .effects import NAMED, UNNAMED, Draw, Lab
 from .event import Response
 from .parameters import G, refuse, uniform
@@ -16,8 +16,8 @@ from .table import Motion, Table, felt_by_motion, felt_by_record, quake, ramp
 
 LEAN_NOISE = 3e-4  # rad, of a lean set by hand
 QUIET = 4e-4  # rad
-ENGINES = {"event": event.simulate, "slip": slip.simulate, "contact": contact.simulate}
-FOREIGN = {"event": (), "slip": slip.FOREIGN, "contact": contact.FOREIGN}
+ENGINES = {"event": event.simulate, "slip": slip.simulate, "contact": contact.simulate, "mujoco": by_mujoco.simulate}
+FOREIGN = {"event": (), "slip": slip.FOREIGN, "contact": contact.FOREIGN, "mujoco": by_mujoco.FOREIGN}
 """Numbers of a world that an engine lacks."""
 
 
@@ -36,16 +36,20 @@ class Plan:
     motion_name: str | None = None
 
 
-def check_together(effects: Iterable[str]) -> None:
+def check_together(effects: Iterable[str], engine: str = "event") -> None:
     """Whether a laboratory has these effects together, before any is planted in earnest.
 
     Raises:
         ValueError: none has.
     """
-    lab = Lab(uniform(0.2, 0.6, 30.0, 0.9))
+    lab = Lab(uniform(0.2, 0.6, 30.0, 0.9), engine=engine)
     for name in effects:
         lab, _ = (NAMED | UNNAMED)[name](lab, Draw(1.0, 0.5, 0.5, 0.5), 1.0)
-    refuse(lab.world, FOREIGN[lab.engine], f"of the engine {lab.engine!r}")
+    which = f"of the engine {lab.engine!r}"
+    refuse(lab.world, FOREIGN[lab.engine], which)
+    if lab.engine == "mujoco":
+        refuse(lab.table, ("pitch_acceleration", "pitch_displacement"), which)
+        refuse(lab, ("wear",), which)  # restitution is what comes out of the contact
 
 
 def worn(lab: Lab, order: int) -> Lab:

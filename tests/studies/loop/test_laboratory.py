@@ -512,7 +512,7 @@ def test_the_laboratory_of_a_block_on_springs_refuses_what_it_lacks(number: str)
 def test_two_effects_that_no_laboratory_has_together_are_refused() -> None:
     drawn = laboratory_effects.draw(np.random.default_rng(1))
     lab, _ = laboratory_effects.sliding(Lab(WORLD), drawn, 1.0)
-    with pytest.raises(ValueError, match="engine='contact': another effect asks for 'slip' already"):
+    with pytest.raises(ValueError, match="engine='contact': the laboratory is of 'slip' already"):
         laboratory_effects.bouncing(lab, drawn, 1.0)
 
 

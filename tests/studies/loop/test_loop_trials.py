@@ -33,7 +33,7 @@ def test_a_campaign_that_was_closed_is_not_closed_again(tmp_path):
 @pytest.mark.parametrize(
     ("effects", "said"),
     [
-        ("sliding+bouncing", "engine='contact': another effect asks for 'slip' already, and no engine has both"),
+        ("sliding+bouncing", "engine='contact': the laboratory is of 'slip' already, and no engine has both"),
         ("compliant_base+rounded_edges", "not in the laboratory of the engine 'contact'"),
         ("slosh+sliding", "not in the laboratory of the engine 'slip'"),
         ("null+sliding", "'null'"),
