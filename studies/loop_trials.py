@@ -2,7 +2,7 @@
 
 Cases    one campaign for each effect and seed (studies.laboratory shares no code with the models): named effects,
          effects on no list (right answer: unexplained), pairs, clean ones; by option weak ones, spoiled records,
-         accelerometers in place of the rotation, outcomes alone, or a block in MuJoCo in place of the laboratory's.
+         accelerometers in place of the rotation, outcomes alone, or a block of MuJoCo or dem for the laboratory's own.
 Peers    the calibrated baseline of the same run (error before), and the true model under the same noise of base and
          leans (the floor): the loop's error after the effect stands between the two.
 Measure  verdict, effects traced (as named, by a twin, in a set that cannot be told apart), false alarms, share of true
@@ -38,7 +38,7 @@ from studies.laboratory.effects import NAMED, UNNAMED
 from studies.laboratory.judge import judge
 from studies.laboratory.outcomes import make_outcomes
 from studies.laboratory.parameters import G
-from studies.laboratory.plans import check_together
+from studies.laboratory.plans import OTHERS, check_together
 from studies.laboratory.truth import Truth, read_truth
 from studies.running.command_line import said_of
 from studies.running.files import BadInputError, save_text, writable_folder, write_whole
@@ -262,14 +262,16 @@ def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
         help="what the laboratory hands over (%(default)s)",
     )  # fmt: skip
     parser.add_argument(
-        "--engine", choices=("event", "mujoco"), default="event",
-        help="whose block it is: the laboratory's own, or MuJoCo's, which has fewer effects (%(default)s)",
+        "--engine", choices=("event", *OTHERS), default="event",
+        help="whose block it is: the laboratory's own, or one of MuJoCo or dem, with fewer effects (%(default)s)",
     )  # fmt: skip
     parser.add_argument("--nuisances", nargs="*", default=[], choices=NUISANCES, help="what else is not ideal there")
     parser.add_argument("--out", type=Path, default=OUT, help="folder of campaigns, runs and table (%(default)s)")
     parser.add_argument("--csv", type=Path, help="the table (loop_trials.csv in that folder)")
     parser.add_argument("--command", default=f"{sys.executable} -m studies.loop", help="what is judged")
     options = parser.parse_args(given)
+    if options.quick:
+        options.effects = list(QUICK)
     for effect in options.effects or ():
         for part in effect.split("+"):
             if part not in known:
@@ -277,12 +279,12 @@ def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
         wrong = _not_had(effect, options.engine)
         if wrong:
             parser.error(f"--effects {effect}: {wrong}")
-    if options.quick:
-        options.effects = list(QUICK)
     options.effects = options.effects or [e for e in [*known, *PAIRS] if not _not_had(e, options.engine)]
+    if options.engine != "event" and options.channel == "outcome":
+        parser.error("--channel outcome: want another, or --engine event")
+    if options.engine == "dem" and options.channel != "rotation":
+        parser.error(f"--channel {options.channel}: want rotation, a block of dem tells no accelerations")
     if options.engine == "mujoco":
-        if options.channel == "outcome":
-            parser.error("--channel outcome: want another, or --engine event")
         try:
             by_mujoco.package()
         except ValueError as error:

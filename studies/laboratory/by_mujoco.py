@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from .effects import Lab
 from .event import FALLEN, Response
 from .parameters import World, refuse
 
@@ -46,6 +47,17 @@ def package() -> Any:
     except ModuleNotFoundError as error:
         raise ValueError(f"engine='mujoco': {error}; want the package mujoco (python -m pip install mujoco)") from None
     return mujoco
+
+
+def check(lab: Lab) -> None:
+    """Whether a block in MuJoCo has all that is odd about this laboratory.
+
+    Raises:
+        ValueError: it has not.
+    """
+    refuse(lab.world, FOREIGN, "of the engine 'mujoco'")
+    refuse(lab.table, ("pitch_acceleration", "pitch_displacement"), "of the engine 'mujoco'")
+    refuse(lab, ("wear",), "of the engine 'mujoco'")  # restitution is what comes out of the contact
 
 
 def _edges(world: World) -> Iterator[str]:

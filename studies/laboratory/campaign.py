@@ -199,7 +199,7 @@ def make_campaign(
         strength: "strong" or "weak": error of the calibrated baseline over that of the true model, TARGET.
         channel: "rotation" or "block_acceleration".
         nuisances: out of NUISANCES.
-        engine: "event", which effects may replace by one that has them, or "mujoco".
+        engine: "event", which effects may replace by one that has them, "mujoco" or "dem".
 
     Raises:
         ValueError: an effect or nuisance that is not there, or effects that no laboratory has together.
@@ -210,6 +210,8 @@ def make_campaign(
             if one not in known:
                 raise ValueError(f"{one!r}: want one of {', '.join(known)}")
     check_together(effects, engine)
+    if engine == "dem" and channel != "rotation":
+        raise ValueError(f"channel={channel!r}: want 'rotation' of a block in dem, which tells no accelerations")
     label = name or "+".join(effects) or "null"
     rng = seeded(seed, *effects)
     block, restitution = declared_block(rng)

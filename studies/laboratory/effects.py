@@ -67,13 +67,17 @@ def _world(lab: Lab, **changes: Any) -> Lab:
     return replace(lab, world=replace(lab.world, **changes))
 
 
+HAVE_IT_TOO = {("slip", "mujoco"), ("contact", "dem")}
+"""What an effect asks for, and what does as well."""
+
+
 def _in(engine: str, lab: Lab) -> Lab:
     """The laboratory with that engine, or with one that has what is asked of it.
 
     Raises:
         ValueError: another one is chosen, and no engine has both.
     """
-    if engine == "slip" and lab.engine == "mujoco":
+    if (engine, lab.engine) in HAVE_IT_TOO:
         return lab
     if lab.engine != "event":
         raise ValueError(f"engine={engine!r}: the laboratory is of {lab.engine!r} already, and no engine has both")
@@ -131,8 +135,9 @@ HOLDS = 2.0
 def compliant_base(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     """Two springs with dashpots."""
     stiffness, damping = _soft(lab, d, k)
-    soft = _world(lab, stiffness=stiffness, damping=damping, springs=2.0, friction=HOLDS)
-    return _in("contact", soft), {"corner_stiffness": stiffness}
+    give = _give(lab)
+    soft = _world(lab, stiffness=stiffness, damping=damping, springs=2.0, friction=HOLDS, give=give)
+    return _in("contact", soft), {"corner_stiffness": stiffness} | ({"tangential_ratio": 1.0 / give} if give else {})
 
 
 def winkler_bed(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
@@ -140,6 +145,11 @@ def winkler_bed(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     stiffness, damping = _soft(lab, d, k)
     bed = _world(lab, stiffness=2 * stiffness, damping=2 * damping, springs=25.0, friction=HOLDS)
     return _in("contact", bed), {"corner_stiffness": stiffness}
+
+
+def _give(lab: Lab) -> float:
+    """An element gives along the floor as across it."""
+    return 1.0 if lab.engine == "dem" else 0.0
 
 
 def _soft(lab: Lab, d: Draw, k: float) -> tuple[float, float]:
@@ -177,7 +187,14 @@ def bouncing(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     # The corner feels less than the whole block: 1/m_eff = 1/m + b^2/I.
     felt = 1.0 / (1.0 / w.mass + w.half_breadth**2 / w.inertia)
     stiffness = felt * (2 * np.pi * (150.0 + 300.0 * d.other)) ** 2
-    hard = _world(lab, stiffness=stiffness, damping=2 * ratio * np.sqrt(stiffness * felt), springs=2.0, friction=HOLDS)
+    hard = _world(
+        lab,
+        stiffness=stiffness,
+        damping=2 * ratio * np.sqrt(stiffness * felt),
+        springs=2.0,
+        friction=HOLDS,
+        give=_give(lab),
+    )
     return _in("contact", hard), {"normal_restitution": e_n}
 
 

@@ -57,6 +57,7 @@ class World:
     friction: float = math.inf
     stiffness: float = 0.0  # N/m of one corner, or of the whole bed
     damping: float = 0.0  # N s/m, likewise
+    give: float = 0.0  # of a corner along the floor over that across it
     springs: float = 2.0  # under the base: two at the corners, or as many points of a bed
     gravity: float = G
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from . import by_mujoco, contact, event, slip
+from . import by_dem, by_mujoco, contact, event, slip
 from .effects import NAMED, UNNAMED, Draw, Lab
 from .event import Response
 from .parameters import G, refuse, uniform
@@ -16,9 +16,14 @@ from .table import Motion, Table, felt_by_motion, felt_by_record, quake, ramp
 
 LEAN_NOISE = 3e-4  # rad, of a lean set by hand
 QUIET = 4e-4  # rad
-ENGINES = {"event": event.simulate, "slip": slip.simulate, "contact": contact.simulate, "mujoco": by_mujoco.simulate}
-FOREIGN = {"event": (), "slip": slip.FOREIGN, "contact": contact.FOREIGN, "mujoco": by_mujoco.FOREIGN}
-"""Numbers of a world that an engine lacks."""
+ENGINES = {
+    "event": event.simulate, "slip": slip.simulate, "contact": contact.simulate,
+    "mujoco": by_mujoco.simulate, "dem": by_dem.simulate,
+}  # fmt: skip
+FOREIGN = {"event": (), "slip": slip.FOREIGN, "contact": contact.FOREIGN}
+"""Numbers of a world that the laboratory's own engines lack."""
+OTHERS = {"mujoco": by_mujoco.check, "dem": by_dem.check}
+"""Engines that are not the laboratory's own, and what tells whether they have all that is asked of them."""
 
 
 @dataclass(frozen=True)
@@ -45,11 +50,10 @@ def check_together(effects: Iterable[str], engine: str = "event") -> None:
     lab = Lab(uniform(0.2, 0.6, 30.0, 0.9), engine=engine)
     for name in effects:
         lab, _ = (NAMED | UNNAMED)[name](lab, Draw(1.0, 0.5, 0.5, 0.5), 1.0)
-    which = f"of the engine {lab.engine!r}"
-    refuse(lab.world, FOREIGN[lab.engine], which)
-    if lab.engine == "mujoco":
-        refuse(lab.table, ("pitch_acceleration", "pitch_displacement"), which)
-        refuse(lab, ("wear",), which)  # restitution is what comes out of the contact
+    if lab.engine in OTHERS:
+        OTHERS[lab.engine](lab)
+    else:
+        refuse(lab.world, FOREIGN[lab.engine], f"of the engine {lab.engine!r}")
 
 
 def worn(lab: Lab, order: int) -> Lab:

@@ -14,7 +14,7 @@ from studies.laboratory import by_mujoco, event, slip
 from studies.laboratory.campaign import make_campaign
 from studies.laboratory.effects import Lab
 from studies.laboratory.parameters import World, uniform
-from studies.laboratory.plans import FOREIGN, check_together
+from studies.laboratory.plans import check_together
 from studies.laboratory.prediction import predicted
 from studies.laboratory.table import Table, felt_by_motion, ramp
 from studies.loop_trials import arguments
@@ -139,7 +139,7 @@ def test_what_it_lacks_is_refused(names: list[str], sentence: str) -> None:
         check_together(names, "mujoco")
 
 
-@pytest.mark.parametrize("name", FOREIGN["mujoco"])
+@pytest.mark.parametrize("name", by_mujoco.FOREIGN)
 def test_nothing_foreign_is_left_out_without_a_word(name: str) -> None:
     with pytest.raises(ValueError, match=f"{name}=.*not in the laboratory of the engine 'mujoco'"):
         by_mujoco.simulate(replace(BLOCK, **{name: 0.1}), felt_by_motion(None, H, 5, NO_TABLE), H, 2, 0.1)
