@@ -95,6 +95,7 @@ def must_agree(
 
 
 # Three records of different lengths and intervals, with a jump at either end, entered before them and within.
+@pytest.mark.slow
 def test_hundreds_of_runs_over_records_are_those_of_the_compiled_batch() -> None:
     rng = np.random.default_rng(0)
     pars, start = blocks(rng)

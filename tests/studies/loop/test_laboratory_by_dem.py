@@ -30,7 +30,12 @@ def rms(difference: np.ndarray) -> float:
 
 @pytest.mark.parametrize(
     ("table", "tilt", "lean"),
-    [(None, 0.0, 0.15), (Table(), 0.0, 0.0), (Table(vertical=0.1), 0.0, 0.0), (Table(), 0.003, 0.0)],
+    [
+        (None, 0.0, 0.15),
+        pytest.param(Table(), 0.0, 0.0, marks=pytest.mark.slow),
+        pytest.param(Table(vertical=0.1), 0.0, 0.0, marks=pytest.mark.slow),
+        (Table(), 0.003, 0.0),
+    ],
 )
 def test_the_less_corners_give_along_the_floor_the_nearer_the_two_are(table, tilt: float, lean: float) -> None:
     """contact.py holds corners along the floor by friction that creeps by 0.5 mm/s at most.
