@@ -46,7 +46,7 @@ from studies.running.interrupts import first_done, noted
 from studies.running.lock import alone
 
 OUT = Path("build/studies/loop_trials")
-QUICK = ("null", "viscous_damping")
+QUICK = {"event": ("null", "viscous_damping"), "mujoco": ("null", "viscous_damping"), "dem": ("compliant_base",)}
 PAIRS = (
     "rounded_edges+viscous_damping",
     "base_tilt+velocity_dependent_restitution",
@@ -252,7 +252,7 @@ def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
         "--effects", nargs="+",
         help="names, pairs as a+b, null for none (all names that the engine has, and four pairs)",
     )  # fmt: skip
-    parser.add_argument("--quick", action="store_true", help=f"{' and '.join(QUICK)} alone")
+    parser.add_argument("--quick", action="store_true", help="a case or two that the engine has")
     parser.add_argument("--seeds", type=int, default=1, help="campaigns for each")
     parser.add_argument("--first-seed", type=int, default=1001, help="seed of the first (%(default)s)")
     parser.add_argument("--jobs", type=int, default=1, help="campaigns at a time")
@@ -271,7 +271,7 @@ def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--command", default=f"{sys.executable} -m studies.loop", help="what is judged")
     options = parser.parse_args(given)
     if options.quick:
-        options.effects = list(QUICK)
+        options.effects = list(QUICK[options.engine])
     for effect in options.effects or ():
         for part in effect.split("+"):
             if part not in known:
@@ -280,10 +280,8 @@ def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
         if wrong:
             parser.error(f"--effects {effect}: {wrong}")
     options.effects = options.effects or [e for e in [*known, *PAIRS] if not _not_had(e, options.engine)]
-    if options.engine != "event" and options.channel == "outcome":
-        parser.error("--channel outcome: want another, or --engine event")
-    if options.engine == "dem" and options.channel != "rotation":
-        parser.error(f"--channel {options.channel}: want rotation, a block of dem tells no accelerations")
+    if options.engine != "event" and options.channel != "rotation":
+        parser.error(f"--channel {options.channel}: want rotation of the engine {options.engine}, or --engine event")
     if options.engine == "mujoco":
         try:
             by_mujoco.package()

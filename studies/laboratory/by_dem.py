@@ -85,6 +85,7 @@ def simulate(world: World, felt: np.ndarray, h: float, every: int, theta0: float
 
     Raises:
         ValueError: the world has an effect that an element lacks, or no stiffness.
+        RuntimeError: the element's motion is faster than any force here could make it.
     """
     refuse(world, FOREIGN, "of the engine 'dem'")
     _springs_under_corners(world)
@@ -96,13 +97,16 @@ def simulate(world: World, felt: np.ndarray, h: float, every: int, theta0: float
         scene, _moving(world, felt, h), t_end=(samples - 1) * h * every, mu=world.friction, damping=world.damping,
         dt=h * every / sub, kn=world.stiffness, ks=along, theta0=theta0, g=world.gravity, save_every=sub,
     )  # fmt: skip
+    if history.outcome is dem.Outcome.UNSTABLE:
+        raise RuntimeError(f"stiffness={world.stiffness:g}, damping={world.damping:g}: {history.outcome.value}")
     found = np.full((samples, 2), np.nan)
     n = min(samples, history.time.size)
     found[:n] = np.stack([history.theta[:n], history.omega[:n]], axis=1)
     down = np.flatnonzero(np.abs(found[:, 0]) > FALLEN)
     fell = None
     if down.size or n < samples:
-        fell = int(down[0]) + 1 if down.size else n
+        # It passed the limit before the first sample beyond it.
+        fell = max(1, int(down[0])) if down.size else n
         found[fell:] = np.nan
     time = h * every * np.arange(samples)
     nothing = np.full(samples, np.nan)

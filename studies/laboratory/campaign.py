@@ -210,8 +210,8 @@ def make_campaign(
             if one not in known:
                 raise ValueError(f"{one!r}: want one of {', '.join(known)}")
     check_together(effects, engine)
-    if engine == "dem" and channel != "rotation":
-        raise ValueError(f"channel={channel!r}: want 'rotation' of a block in dem, which tells no accelerations")
+    if engine != "event" and channel != "rotation":
+        raise ValueError(f"channel={channel!r}: want 'rotation' of the engine {engine!r}, which tells no accelerations")
     label = name or "+".join(effects) or "null"
     rng = seeded(seed, *effects)
     block, restitution = declared_block(rng)

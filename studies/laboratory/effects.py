@@ -7,6 +7,7 @@ departure from the ideal, so that a campaign can be made as visible as one likes
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -69,15 +70,20 @@ def _world(lab: Lab, **changes: Any) -> Lab:
 
 HAVE_IT_TOO = {("slip", "mujoco"), ("contact", "dem")}
 """What an effect asks for, and what does as well."""
+SETS = {"slip": {"friction": math.inf}, "contact": {"stiffness": 0.0}}
+"""What an effect that asks for an engine sets, and its value before."""
 
 
 def _in(engine: str, lab: Lab) -> Lab:
     """The laboratory with that engine, or with one that has what is asked of it.
 
     Raises:
-        ValueError: another one is chosen, and no engine has both.
+        ValueError: another one is chosen, and no engine has both, or another effect has set what this one sets.
     """
     if (engine, lab.engine) in HAVE_IT_TOO:
+        for name, absent in SETS[engine].items():
+            if getattr(lab.world, name) != absent:
+                raise ValueError(f"{name}={getattr(lab.world, name):g}: another effect has set it already")
         return lab
     if lab.engine != "event":
         raise ValueError(f"engine={engine!r}: the laboratory is of {lab.engine!r} already, and no engine has both")
@@ -134,17 +140,19 @@ HOLDS = 2.0
 
 def compliant_base(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     """Two springs with dashpots."""
+    lab = _in("contact", lab)
     stiffness, damping = _soft(lab, d, k)
     give = _give(lab)
     soft = _world(lab, stiffness=stiffness, damping=damping, springs=2.0, friction=HOLDS, give=give)
-    return _in("contact", soft), {"corner_stiffness": stiffness} | ({"tangential_ratio": 1.0 / give} if give else {})
+    return soft, {"corner_stiffness": stiffness} | ({"tangential_ratio": 1.0 / give} if give else {})
 
 
 def winkler_bed(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     """A bed, as stiff in all as two corners of this stiffness: the same effect by name."""
+    lab = _in("contact", lab)
     stiffness, damping = _soft(lab, d, k)
     bed = _world(lab, stiffness=2 * stiffness, damping=2 * damping, springs=25.0, friction=HOLDS)
-    return _in("contact", bed), {"corner_stiffness": stiffness}
+    return bed, {"corner_stiffness": stiffness}
 
 
 def _give(lab: Lab) -> float:
@@ -176,10 +184,11 @@ def quadratic_drag(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
 def sliding(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     # A tenth above b/h it hardly slides, below it never rocks; more strength is less friction.
     mu = lab.world.half_breadth / lab.world.centre_height * (1.01 + 0.06 * (0.4 + d.size) / k)
-    return _in("slip", _world(lab, friction=mu)), {"friction": mu}
+    return _world(_in("slip", lab), friction=mu), {"friction": mu}
 
 
 def bouncing(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
+    lab = _in("contact", lab)
     e_n = min(0.8, 0.4 * k * (0.5 + d.size))
     log = np.log(e_n)
     ratio = -log / np.sqrt(np.pi**2 + log**2)
@@ -195,7 +204,7 @@ def bouncing(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
         friction=HOLDS,
         give=_give(lab),
     )
-    return _in("contact", hard), {"normal_restitution": e_n}
+    return hard, {"normal_restitution": e_n}
 
 
 def base_motion_gain(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:

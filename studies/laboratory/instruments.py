@@ -40,7 +40,7 @@ def point_acceleration(
     fx, fz, b1, b2 = frame.T
     c, s = np.cos(theta), np.sin(theta)
     if response.centre is not None:
-        rx, rz = position[0], position[1] - w.centre_height
+        rx, rz = position[0] - w.offset, position[1] - w.centre_height
         px, pz = rx * c + rz * s, -rx * s + rz * c
         own = response.centre + np.stack([acc * pz - rate**2 * px, -acc * px - rate**2 * pz], axis=1)
         # Here x'' and z'' are over the floor, which pitches in none of the contact simulators.

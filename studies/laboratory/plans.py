@@ -45,8 +45,10 @@ def check_together(effects: Iterable[str], engine: str = "event") -> None:
     """Whether a laboratory has these effects together, before any is planted in earnest.
 
     Raises:
-        ValueError: none has.
+        ValueError: none has, or there is no such engine to begin with.
     """
+    if engine not in ("event", *OTHERS):
+        raise ValueError(f"engine={engine!r}: want one of event, {', '.join(OTHERS)}")
     lab = Lab(uniform(0.2, 0.6, 30.0, 0.9), engine=engine)
     for name in effects:
         lab, _ = (NAMED | UNNAMED)[name](lab, Draw(1.0, 0.5, 0.5, 0.5), 1.0)

@@ -69,12 +69,19 @@ def test_a_block_that_falls_is_not_a_number_from_then_on() -> None:
         (["compliant_base", "rounded_edges"], "radius=.*: not in the laboratory of the engine 'dem'"),
         (["compliant_base", "concave_base"], "inertia=.*: not in the laboratory of the engine 'dem'"),
         (["compliant_base", "table_pitch"], "pitch_.*: not in the laboratory of the engine 'dem'"),
+        (["compliant_base", "bouncing"], "stiffness=.*: another effect has set it already"),
+        (["winkler_bed", "bouncing"], "stiffness=.*: another effect has set it already"),
         (["bouncing", "wear"], "wear=.*: not in the laboratory of the engine 'dem'"),
     ],
 )
 def test_what_it_lacks_is_refused(names: list[str], sentence: str) -> None:
     with pytest.raises(ValueError, match=sentence):
         check_together(names, "dem")
+
+
+def test_an_engine_that_is_not_there_is_refused() -> None:
+    with pytest.raises(ValueError, match="engine='slip': want one of event, mujoco, dem"):
+        check_together(["sliding"], "slip")
 
 
 @pytest.mark.parametrize("name", by_dem.FOREIGN)
@@ -100,14 +107,15 @@ def test_its_corners_give_along_the_floor_which_the_truth_says() -> None:
 
 def test_trials_take_the_effects_that_it_has(capsys) -> None:
     assert set(arguments(["--engine", "dem"]).effects) == {"compliant_base", "bouncing"}
+    assert arguments(["--engine", "dem", "--quick"]).effects == ["compliant_base"]
     with pytest.raises(SystemExit):
-        arguments(["--engine", "dem", "--quick"])
+        arguments(["--engine", "dem", "--effects", "null"])
     assert "--effects null: stiffness=0.0" in capsys.readouterr().err
     with pytest.raises(SystemExit):
         arguments(["--engine", "dem", "--channel", "block_acceleration"])
-    assert "want rotation, a block of dem tells no accelerations" in capsys.readouterr().err
+    assert "--channel block_acceleration: want rotation of the engine dem" in capsys.readouterr().err
 
 
 def test_a_campaign_asks_for_a_rotation_sensor(tmp_path) -> None:
-    with pytest.raises(ValueError, match="channel='block_acceleration': want 'rotation' of a block in dem"):
+    with pytest.raises(ValueError, match="channel='block_acceleration': want 'rotation' of the engine 'dem'"):
         make_campaign(1, ["compliant_base"], tmp_path, channel="block_acceleration", engine="dem")

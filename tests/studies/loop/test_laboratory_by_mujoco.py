@@ -33,6 +33,8 @@ WORLDS = {
     "eccentric_mass": {"offset": 0.002},
     "viscous_damping": {"viscous": 0.1},
     "tether": {"tether_stiffness": 30.0, "tether_plus": 0.03},
+    "tether to the other side": {"tether_stiffness": 30.0, "tether_minus": 0.03},
+    "eccentric_mass on rounded_edges": {"radius": 0.004, "offset": 0.002},
 }
 
 
@@ -51,10 +53,10 @@ def rms(difference: np.ndarray) -> float:
     return float(np.sqrt(np.mean(difference**2)))
 
 
-@pytest.mark.parametrize("name", WORLDS)
-def test_a_release_is_that_of_the_other_engine(name: str) -> None:
-    """Three seconds, five impacts and more: 5e-5 to 4e-4 rad apart, where the effects move it by 0.012 to 0.027 rad."""
-    felt, lean = felt_by_motion(None, H, 1501, NO_TABLE), 0.15
+@pytest.mark.parametrize(("name", "lean"), [*((name, 0.15) for name in WORLDS), ("none", -0.15), ("base_tilt", -0.15)])
+def test_a_release_is_that_of_the_other_engine(name: str, lean: float) -> None:
+    """Three seconds, five impacts and more: 5e-5 to 4e-4 rad apart, where the effects move it by 0.01 rad and more."""
+    felt = felt_by_motion(None, H, 1501, NO_TABLE)
     one, other = (e.simulate(world(**WORLDS[name]), felt, H, 2, lean).rotation for e in (by_mujoco, event))
     moved = rms(other - event.simulate(IDEAL, felt, H, 2, lean).rotation)
     assert rms(one - other) < (1e-4 if name == "none" else moved / 40.0)
@@ -126,13 +128,11 @@ def test_a_block_that_falls_is_not_a_number_from_then_on() -> None:
     assert np.abs(response.rotation[: response.fell]).max() > 1.1
 
 
-def test_acceleration_is_the_rate_of_velocity() -> None:
-    """The contact quivers by 0.3 % of it."""
-    response = by_mujoco.simulate(IDEAL, felt_by_motion(None, H, 101, NO_TABLE), H, 2, 0.15)
-    rate = np.gradient(response.velocity, response.time)
-    assert response.acceleration[2:-2] == pytest.approx(rate[2:-2], rel=5e-3)
-    assert response.centre is not None
-    assert response.centre.shape == (response.time.size, 2)
+def test_damping_is_that_of_a_block_on_round_edges() -> None:
+    """Of edges this round the inertia about a sharp corner would be 2.5 % too large, 1e-3 rad."""
+    felt, round_ = felt_by_motion(None, H, 1501, NO_TABLE), world(radius=0.03, viscous=0.3)
+    one, other = (e.simulate(round_, felt, H, 2, 0.12).rotation for e in (by_mujoco, event))
+    assert rms(one - other) < 2e-4
 
 
 @pytest.mark.parametrize(
@@ -143,6 +143,7 @@ def test_acceleration_is_the_rate_of_velocity() -> None:
         (["wear"], "wear=.*: not in the laboratory of the engine 'mujoco'"),
         (["compliant_base"], "engine='contact': the laboratory is of 'mujoco' already"),
         (["sliding", "base_adhesion"], "adhesion=.*: not in the laboratory of the engine 'mujoco'"),
+        (["sliding", "sliding"], "friction=.*: another effect has set it already"),
     ],
 )
 def test_what_it_lacks_is_refused(names: list[str], sentence: str) -> None:
@@ -177,7 +178,7 @@ def test_trials_take_the_effects_that_it_has(capsys) -> None:
     assert "not in the laboratory of the engine 'mujoco'" in capsys.readouterr().err
     with pytest.raises(SystemExit):
         arguments(["--engine", "mujoco", "--channel", "outcome"])
-    assert "--channel outcome: want another" in capsys.readouterr().err
+    assert "--channel outcome: want rotation of the engine mujoco" in capsys.readouterr().err
 
 
 @pytest.mark.slow

@@ -34,13 +34,15 @@ def test_an_accelerometer_that_is_mounted_askew_reads_along_its_own_axis(monkeyp
     assert read((1.0, 0.0)) == pytest.approx(2.0 * math.cos(angle) - 9.8 * math.sin(angle), rel=1e-14)
 
 
-def test_accelerometers_read_the_same_of_a_block_whose_contact_is_resolved() -> None:
+@pytest.mark.parametrize("offset", [0.0, 0.004])
+def test_accelerometers_read_the_same_of_a_block_whose_contact_is_resolved(offset: float) -> None:
     """A foot that sticks: by the motion of the centre of mass, and by that of the edge."""
-    rough = replace(WORLD, friction=0.9)
-    stuck, rolling = slip.simulate(rough, AT_REST, STEP, 4, LEAN), event.simulate(WORLD, AT_REST, STEP, 4, LEAN)
+    block = replace(WORLD, offset=offset)
+    rough = replace(block, friction=0.9)
+    stuck, rolling = slip.simulate(rough, AT_REST, STEP, 4, LEAN), event.simulate(block, AT_REST, STEP, 4, LEAN)
     for place in ((0.04, 0.5), (-0.1, 0.0), (0.0, 0.6)):
         by_centre = point_acceleration(Lab(rough), stuck, AT_REST, place, every=4)
-        by_edge = point_acceleration(Lab(WORLD), rolling, AT_REST, place, every=4)
+        by_edge = point_acceleration(Lab(block), rolling, AT_REST, place, every=4)
         until = 50  # samples before the first impact, at which a sample may lie on either side
         assert by_centre[:until] == pytest.approx(by_edge[:until], abs=1e-6)
 
