@@ -23,7 +23,7 @@ from studies.loop.names import readable
 from studies.loop.preparing import Setup, prepare
 from studies.loop.remaining import MISSED_BY_FAR, by_chance, missed, over_noise, slips, structure, unexplained
 from studies.loop.revising import Revision, revised, without_needless
-from studies.loop.rivals import Rival, near_all, other_forms, standing, twins
+from studies.loop.rivals import Rival, near_all, other_forms, standing, twins, twins_from_many
 from studies.loop.rounds import Path
 from studies.loop.scoring import Errors, errors, leaning, median
 from studies.loop.searching import traced
@@ -288,6 +288,8 @@ def _borne_out(setup: Setup, rivals: Sequence[Rival], chosen: Trial, whole: Fit)
 
     if chosen.costly:
         return tuple(r for r in rivals if r.trial.costly or not refused(r))
+    if setup.by_rotation:
+        rivals = twins_from_many(setup, rivals, whole)
     return standing(rivals, refused, lambda r, first: setup.by_rotation and explains_more(setup, r.whole, first.whole))
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from studies.loop.fitting import Fit, fit
 from studies.loop.preparing import Setup
 from studies.loop.scoring import errors
-from studies.loop.settling import whole_fit
+from studies.loop.settling import whole_fit, whole_fit_from_many
 from studies.loop.tracing import Round, Trial, bic
 
 TWIN = 12.0
@@ -73,6 +73,29 @@ def near(setup: Setup, tried: Round, best: Trial, whole: Fit) -> tuple[Rival, ..
         held = errors(setup, own.model, own.windows).holdout
         found.append(Rival(settled, own, bic(settled.swing), bic(own), held))
     return tuple(sorted(found, key=lambda r: r.criterion))
+
+
+def twins_from_many(setup: Setup, rivals: Sequence[Rival], weights_of: Fit) -> tuple[Rival, ...]:
+    """The same, where the best has twins each of these fitted on whole records from more starts: they have to decide.
+
+    One fit alone may end in a minimum of its own, and the twin that is in luck would be preferred.  What all of them
+    have is left where it is.
+    """
+    alike = [r for r in rivals if r.criterion - rivals[0].criterion < TWIN]
+    if len({r.trial.effects for r in alike}) < 2 or any(r.trial.costly for r in alike):
+        return tuple(rivals)
+    common = set.intersection(*(set(r.trial.effects) for r in alike))
+    found = []
+    for r in rivals:
+        if any(r is twin for twin in alike):
+            own_effects = set(r.trial.effects) - common
+            many = whole_fit_from_many(setup, r.trial, weights_of, own_effects)
+            own = min(r.whole, many, key=lambda f: f.chi2)
+            if own is not r.whole:
+                held = errors(setup, own.model, own.windows).holdout
+                r = replace(r, whole=own, whole_criterion=bic(own), holdout=held)
+        found.append(r)
+    return tuple(found)
 
 
 def standing(

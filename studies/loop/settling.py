@@ -6,7 +6,7 @@ Status   the intervals' coverage is measured on campaigns with planted effects (
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -66,13 +66,17 @@ def whole_fit(setup: Setup, trial: Trial, weights_of: Fit | None = None) -> Fit:
     return full
 
 
-def whole_fit_from_many(setup: Setup, trial: Trial, weights_of: Fit) -> Fit:
-    """The best of such fits that begin about the swings' estimate: one of them may end in a minimum of its own."""
+def whole_fit_from_many(setup: Setup, trial: Trial, weights_of: Fit, effects: Collection[str] | None = None) -> Fit:
+    """The best of such fits that begin about the swings' estimate: one of them may end in a minimum of its own.
+
+    effects: those that are moved about; all if not given.
+    """
     found = [whole_fit(setup, trial, weights_of)]
     if trial.costly:
         return found[0]
     sure = sensor_covariance(setup.simulator, trial.swing)
-    for part in (part for part in trial.parts if part.in_swings):
+    moved = (p for p in trial.parts if p.in_swings and (effects is None or p.effect in effects))
+    for part in moved:
         for model in neighbours(trial.swing, sure, part.parameters[0], FEW_NEIGHBOURS):
             there = replace(trial, swing=replace(trial.swing, model=model))
             found.append(whole_fit(setup, there, weights_of))
