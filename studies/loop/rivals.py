@@ -81,7 +81,8 @@ def twins_from_many(setup: Setup, rivals: Sequence[Rival], weights_of: Fit) -> t
     One fit alone may end in a minimum of its own, and the twin that is in luck would be preferred.  What all of them
     have is left where it is.
     """
-    alike = [r for r in rivals if r.criterion - rivals[0].criterion < TWIN]
+    least = min((r.criterion for r in rivals), default=0.0)
+    alike = [r for r in rivals if r.criterion - least < TWIN]
     if len({r.trial.effects for r in alike}) < 2 or any(r.trial.costly for r in alike):
         return tuple(rivals)
     common = set.intersection(*(set(r.trial.effects) for r in alike))
