@@ -1,4 +1,4 @@
-"""Restitution that depends on the speed of the impact.
+"""Velocity-dependent restitution: what an impact keeps depends on its speed.
 
 Changes     e -> e + slope |omega|, kept within 0 and 1
 Parameters  slope [s/rad]; 0 where it is absent

@@ -6,7 +6,7 @@ for a named tuple the process dies (numba 0.68).  Compiled code that returns num
 needs none of this.
 
 The compiler: LLVM calls Python back to keep what it compiled, and there one Ctrl-C in four is lost, or comes out as a
-RuntimeError (llvmlite 0.50).
+RuntimeError, and seldom the process dies (llvmlite 0.50).
 
 Source   none, own convention
 Status   interrupts at random times within such calls (tests)
@@ -15,7 +15,9 @@ Status   interrupts at random times within such calls (tests)
 from __future__ import annotations
 
 import _signal  # type: ignore[import-not-found]
+import math
 import threading
+from collections import deque
 from collections.abc import Callable
 from signal import SIGINT
 from types import FrameType
@@ -29,39 +31,54 @@ def uninterrupted(call: Callable[..., Any], *arguments: Any) -> Any:
     """What `call(*arguments)` returns.
 
     Raises:
-        KeyboardInterrupt: Ctrl-C came in the meantime; raised after the call.  A second one is heard at once,
-            or after the call too where LLVM drops it.
+        KeyboardInterrupt: Ctrl-C came in the meantime; raised after the call.  A second one is heard at once.
     """
+    return _put_off(1, call, arguments)
+
+
+def undisturbed(call: Callable[..., Any], *arguments: Any) -> Any:
+    """The same for the compiler, which takes seconds: what is raised within it may be lost, or the process dies.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C came in the meantime, however often; raised after the call.
+    """
+    return _put_off(math.inf, call, arguments)
+
+
+def _put_off(most: float, call: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """What the call returns; Ctrl-C is passed on after it, or at once if it comes more than so many times."""
     # Asked by number: `current_thread` makes an entry that stays for a thread that `threading` did not start.
     if threading.get_ident() != threading.main_thread().ident:
         return call(*arguments)
     usual = getsignal(SIGINT)
     if not callable(usual):
         return call(*arguments)
-    came: list[tuple[int, FrameType | None]] = []
-    lost: list[BaseException] = []  # what was raised within the call, until it has come out of it
+    came, arrived = deque[tuple[int, FrameType | None]](), 0
+    raised: list[BaseException] = []  # within the call, which may make something else of it
+
+    def pass_on() -> None:
+        while came:
+            usual(*came.popleft())
 
     def note(number: int, frame: FrameType | None) -> None:
+        nonlocal arrived
+        arrived += 1
         came.append((number, frame))
-        if len(came) == 1:
-            return
-        try:
-            if len(came) == 2:
-                usual(*came[0])
-            usual(number, frame)
-        except BaseException as error:
-            lost.append(error)
-            raise
+        if arrived > most:
+            try:
+                pass_on()
+            except BaseException as error:
+                raised.append(error)
+                raise
 
     signal(SIGINT, note)
     try:
         return call(*arguments)
     except KeyboardInterrupt:
-        lost.clear()
+        raised.clear()
         raise
     finally:
         signal(SIGINT, usual)
-        if len(came) == 1:
-            usual(*came[0])
-        if lost:
-            raise lost[0]
+        if raised:
+            raise raised[0]
+        pass_on()

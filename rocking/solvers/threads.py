@@ -1,7 +1,7 @@
-"""Compiled loops over runs, spread over the cores in threads, and stopped by Ctrl-C between two pieces.
+"""Compiled loops over runs, spread over the cores in threads, and stopped by Ctrl-C between two runs or pieces of them.
 
 The compiled code releases the interpreter lock.  numba's own parallel loops cannot take functions in a tuple (hooks)
-and compile for longer; besides, what runs in pieces can be interrupted between them.
+and compile for longer; besides, threads that take run after run, or piece after piece, can be stopped in between.
 
 The thread that calls waits without a lock of Python's: a KeyboardInterrupt between the taking of one, as a future has,
 and the `with` that is to give it back leaves it taken, and then a worker waits for it, and the caller for the worker.
@@ -14,24 +14,58 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 
-PIECES_PER_THREAD = 8
-"""So many pieces even out runs of different length."""
+import numpy as np
+from numpy.typing import NDArray
 
-SHORTEST_PIECE = 4
-"""Runs of a piece; fewer would not pay for handing them over."""
+FEWEST_RUNS = 4
+"""Of a thread; fewer would not pay for handing them over."""
+
+FIRST_PIECE = 16
+"""Runs after which one thread looks for Ctrl-C for the first time."""
+
+LONG_ENOUGH = 0.05
+"""Seconds between two such looks: after a shorter piece the next one is twice as large, after one of more than twice
+as long half."""
 
 SHORTEST_LOOK, LONGEST_LOOK = 5e-5, 2e-3
 """Seconds between two looks whether the other threads have ended; they grow as it takes longer."""
 
 
-def over_runs(piece: Callable[[int, int], None], count: int, threads: int) -> None:
-    """Call `piece(first, last)` for pieces that cover 0 to `count`, on so many threads."""
-    size = max(SHORTEST_PIECE, -(-count // (threads * PIECES_PER_THREAD)))
-    over_pieces(piece, [(first, min(first + size, count)) for first in range(0, count, size)], threads)
+def over_runs(work: Callable[[NDArray[np.int64], int], None], count: int, threads: int) -> None:
+    """Have runs 0 to `count` done on so many threads; with one, on this one.
+
+    Args:
+        work: `work(counter, end)` takes from `counter`, int64, shape (1,), run after run below `end`, in a moment
+            (`rocking.solvers.numba.counter.take`).
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C; the runs under way are ended, with one thread those of a piece.
+    """
+    counter = np.zeros(1, dtype=np.int64)
+    threads = min(threads, -(-count // FEWEST_RUNS))
+    if threads > 1:
+        over_pieces(
+            lambda first, last: work(counter, count), [(0, count)] * threads, threads, lambda: counter.fill(count)
+        )
+        return
+    begun, size = 0, FIRST_PIECE
+    while begun < count:
+        end, clock = min(begun + size, count), time.perf_counter()
+        work(counter, end)
+        counter[0] = begun = end
+        took = time.perf_counter() - clock
+        size = 2 * size if took < LONG_ENOUGH else size if took < 2.0 * LONG_ENOUGH else max(size // 2, 1)
 
 
-def over_pieces(piece: Callable[[int, int], None], bounds: Sequence[tuple[int, int]], threads: int) -> None:
+def over_pieces(
+    piece: Callable[[int, int], None],
+    bounds: Sequence[tuple[int, int]],
+    threads: int,
+    stop: Callable[[], None] = lambda: None,
+) -> None:
     """Call `piece(first, last)` for all of `bounds`, on so many threads; with one, on this one.
+
+    stop: ends the pieces under way; called, more than once perhaps, where no further one is to be begun.
 
     Raises:
         KeyboardInterrupt: Ctrl-C; the pieces under way are ended, the others not begun.  A second one does not wait.
@@ -56,6 +90,7 @@ def over_pieces(piece: Callable[[int, int], None], bounds: Sequence[tuple[int, i
         except BaseException as error:
             failed.append(error)
             waiting.clear()
+            stop()
 
     def help_out() -> None:
         begun.append(1)
@@ -76,6 +111,7 @@ def over_pieces(piece: Callable[[int, int], None], bounds: Sequence[tuple[int, i
         wait(for_all=True)
     except BaseException:
         waiting.clear()
+        stop()
         closed.append(1)  # who begins from here on does nothing
         wait(for_all=False)
         raise

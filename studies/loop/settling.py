@@ -55,8 +55,7 @@ def whole_fit(setup: Setup, trial: Trial, weights_of: Fit | None = None) -> Fit:
     """
     model = trial.swing.model
     if weights_of is None:
-        spreads = variances(setup.noisy, len(setup.campaign.tests), model, setup.whole)
-        windows = weighed(setup.whole, spreads)
+        windows = weighed_under(setup, model, setup.whole)
     else:
         windows = [replace(w, sd=o.sd) for w, o in zip(setup.whole, weights_of.windows, strict=True)]
     leans = fit_records(setup.simulator, model, [], windows, iterations=4)
@@ -64,6 +63,15 @@ def whole_fit(setup: Setup, trial: Trial, weights_of: Fit | None = None) -> Fit:
     if full.chi2 >= leans.chi2 or not _still_fits(setup, trial, full.model):
         return leans
     return full
+
+
+def weighed_under(setup: Setup, model: LoopModel, windows: Sequence[Window]) -> list[Window]:
+    """Whole windows, in the order of those of the setup, weighed by what base noise does under a model.
+
+    What weighed them before is left aside, but for what the records themselves say of their noise.
+    """
+    plain = [replace(w, sd=o.sd) for w, o in zip(windows, setup.whole, strict=True)]
+    return weighed(plain, variances(setup.noisy, len(setup.campaign.tests), model, plain))
 
 
 def whole_fit_from_many(setup: Setup, trial: Trial, weights_of: Fit, effects: Collection[str] | None = None) -> Fit:

@@ -21,7 +21,7 @@ from studies.loop.parameters import Parameter
 from studies.loop.preparing import Setup
 from studies.loop.rivals import Rival
 from studies.loop.scoring import errors
-from studies.loop.settling import gain, neighbours, predictable, where_told, whole_fit
+from studies.loop.settling import gain, neighbours, predictable, reweighed, weighed_under, where_told, whole_fit
 from studies.loop.tracing import PAYS, Round, Trial, bic
 
 LEAST_OF_A_SCAN = 0.15
@@ -84,10 +84,15 @@ def ranked(setup: Setup, rivals: Sequence[Rival]) -> tuple[Rival, ...]:
 
 
 def explains_more(setup: Setup, found: Fit, other: Fit) -> bool:
-    """Whether a fit of whole records leaves by far less than another one, under the same weights."""
-    windows = [replace(w, sd=o.sd) for w, o in zip(other.windows, found.windows, strict=True)]
-    own, its = (fit(setup.simulator, f.model, [], w, whole=True, iterations=0)
-                for f, w in ((found, found.windows), (other, windows)))  # fmt: skip
+    """Whether a fit of whole records leaves by far less than another one; what is noise to either counts as noise."""
+    sds = [1.0 / np.minimum(w.weights, o.weights) for w, o in zip(found.windows, other.windows, strict=True)]
+    own, its = (
+        fit(
+            setup.simulator, f.model, [], [replace(w, sd=sd) for w, sd in zip(f.windows, sds, strict=True)],
+            whole=True, iterations=0,
+        )
+        for f in (found, other)
+    )  # fmt: skip
     left, plain, samples = where_told(own, its)
     return left < plain - PAYS * max(1.0, left / samples)
 
@@ -109,11 +114,11 @@ def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Ri
         for candidate in open_to_it
         # Those that swings may show are asked only where these leave whole records unexplained.
         if (not candidate.in_swings or without.rms > MISSED)
-        and (first := _scanned(setup, without, candidate)) is not None
+        and (first := _scanned(setup, whole, without, candidate)) is not None
     ]
     if not begun:
         return None
-    for near, candidate in sorted(begun, key=lambda pair: pair[0].chi2):
+    for (_, near), candidate in sorted(begun, key=lambda pair: pair[0][0]):
         found = _confirmed(setup, onto, whole, without, near, candidate)
         if found is not None:
             return found
@@ -121,14 +126,18 @@ def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Ri
 
 
 def _confirmed(
-    setup: Setup, onto: Trial, whole: Fit, without: Fit, near: Fit, candidate: Candidate
+    setup: Setup, onto: Trial, whole: Fit, shared: Fit, near: Fit, candidate: Candidate
 ) -> Rival | None:  # fmt: skip
-    """The candidate fitted from where a scan found it, or None if it does not pay."""
+    """The candidate fitted from where a scan found it, or None if it does not pay.
+
+    shared: a fit of the windows on which rivals are compared.
+    """
+    without = fit_records(setup.simulator, whole.model, onto.every, near.windows, iterations=8)
     if without.chi2 - near.chi2 < PAYS * max(1.0, near.chi2 / without.samples):
         return None
     parameters = (*onto.calibrated_with(candidate), *onto.parameters, *candidate.parameters)
-    again = not any(part.costly for part in (*onto.parts, candidate))
-    ended = fit_records(setup.simulator, near.model, parameters, near.windows, iterations=12, again=again)
+    cheap = not any(part.costly for part in (*onto.parts, candidate))
+    ended = fit_records(setup.simulator, near.model, parameters, near.windows, iterations=12, again=cheap)
     # What a fit of the same records from here gains without the effect is not its own.
     others = {name: values for name, values in ended.model.effects.items() if name != candidate.effect}
     model = replace(ended.model, effects=others)
@@ -139,37 +148,57 @@ def _confirmed(
     helped = (rest.by_window > MISSED) & (rest.by_window > SPOILT * ended.by_window)
     if np.count_nonzero(helped) < LEAST_RECORDS or not _explains(ended, rest) or _at_the_cost_of_others(ended, rest):
         return None
-    rival = _as_rival(setup, onto, whole, candidate, ended, parameters)
+    # What it makes unpredictable is not in these windows, and may have been explained.
+    leans = fit(setup.simulator, ended.model, [], shared.windows, whole=True, iterations=4)
+    if _at_the_cost_of_others(leans, shared):
+        return None
+    compared = fit_records(setup.simulator, ended.model, parameters, leans.windows, iterations=12, again=cheap)
+    rival = _as_rival(setup, onto, whole, candidate, ended, parameters, by_itself=True)
+    rival = replace(rival, criterion=bic(compared))
     return rival if gain(setup, whole, rival.whole) > LEAST_OF_A_SCAN else None
 
 
-def _scanned(setup: Setup, without: Fit, candidate: Candidate) -> Fit | None:
-    """The best of the scanned values, with leans fitted, and those between it and its neighbours."""
+def _scanned(setup: Setup, whole: Fit, without: Fit, candidate: Candidate) -> tuple[float, Fit] | None:
+    """The best of the scanned values and those between it and its neighbours, and how far off it is.
+
+    Each is judged under what base noise does with the effect there: a record that hangs finely on the base then, and
+    not without the effect, would own the sum of squares and lead to where it happens to be met.
+    """
     least = {RESTITUTION: max(without.model.restitution, candidate.least_restitution), **candidate.fixed}
 
-    def at(values: Mapping[str, float]) -> Fit | None:
+    def at(values: Mapping[str, float]) -> tuple[float, Fit] | None:
         try:
             model = without.model.changed({**least, **values})
-            return fit(setup.simulator, model, [], without.windows, whole=True, iterations=2)
+            windows = weighed_under(setup, model, whole.windows)
+            found = fit(setup.simulator, model, [], windows, whole=True, iterations=2)
         except ValueError:
             return None  # it does not go together with what is there already
+        # The logarithm, as in a likelihood: what explains a record by making it unpredictable has to pay for it.
+        return found.chi2 - 2.0 * sum(float(np.sum(np.log(w.weights * w.noise))) for w in windows), found
 
-    found = [(f, dict(v)) for v in candidate.scanned if (f := at(v)) is not None]
+    found = [(*f, dict(v)) for v in candidate.scanned if (f := at(v)) is not None]
     if not found:
         return None
-    k = min(range(len(found)), key=lambda i: found[i][0].chi2)
+    k = min(range(len(found)), key=lambda i: found[i][0])
     between = [
-        {name: value + share * (found[j][1][name] - value) for name, value in found[k][1].items()}
+        {name: value + share * (found[j][2][name] - value) for name, value in found[k][2].items()}
         for j in (k - 1, k + 1) if 0 <= j < len(found) for share in (0.25, 0.5, 0.75)
     ]  # fmt: skip
-    found += [(f, v) for v in between if (f := at(v)) is not None]
-    return min((f for f, _ in found), key=lambda f: f.chi2)
+    found += [(*f, v) for v in between if (f := at(v)) is not None]
+    off, best, _ = min(found, key=lambda f: f[0])
+    windows = predictable(best.windows)
+    return (off, fit(setup.simulator, best.model, [], windows, whole=True, iterations=2)) if windows else None
 
 
 def _as_rival(
-    setup: Setup, onto: Trial, whole: Fit, candidate: Candidate, own: Fit, parameters: Sequence[Parameter]
-) -> Rival:
-    """An effect as a fit of whole records has it."""
+    setup: Setup, onto: Trial, whole: Fit, candidate: Candidate, own: Fit, parameters: Sequence[Parameter],
+    by_itself: bool = False,
+) -> Rival:  # fmt: skip
+    """An effect as a fit of whole records has it.
+
+    by_itself: whether it is fitted under what base noise does with the effect there, and not under the weights of
+        `whole`, which rivals are compared by.
+    """
     if candidate.in_swings:
         swings = fit(setup.simulator, own.model, [], onto.swing.windows, iterations=3).windows
         # As whole records have it: how far the swings would let it go is what they say of it.
@@ -178,9 +207,10 @@ def _as_rival(
         value = {p.name: own.model.get(p.name) for p in candidate.parameters}
         swing = fit(setup.simulator, onto.swing.model.changed(value), onto.every, onto.swing.windows, iterations=3)
     settled = onto.with_(candidate, swing)
-    ended = whole_fit(setup, settled, whole)
+    ended = whole_fit(setup, settled, None if by_itself else whole)
     held = errors(setup, ended.model, ended.windows).holdout
-    return Rival(settled, ended, bic(own), bic(ended), held)
+    price = bic(ended) - ended.chi2
+    return Rival(settled, ended, bic(own), price + (reweighed(setup, ended, whole) if by_itself else ended).chi2, held)
 
 
 def hints(onto: Trial, tried: Round, hint: float = HINT) -> list[Trial]:

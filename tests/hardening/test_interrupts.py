@@ -10,10 +10,13 @@ import tomllib
 
 import files
 import numba
+import numpy as np
 import pytest
 
 from dem.interrupts import uninterrupted as elsewhere
-from rocking.solvers.threads import over_pieces
+from rocking.solvers.interrupts import undisturbed, uninterrupted
+from rocking.solvers.numba.counter import take
+from rocking.solvers.threads import over_pieces, over_runs
 from studies.running.files import write_whole
 from studies.running.interrupts import noted
 from studies.running.parts import Parts
@@ -135,6 +138,57 @@ def test_a_piece_that_fails_says_so():
         over_pieces(lambda first, last: int("a piece"), [(0, 1), (1, 2)], 2)
 
 
+@pytest.mark.parametrize("threads", [1, 2, 4])
+def test_each_run_is_done_once(threads):
+    @numba.njit(nogil=True)
+    def work(times, counter, end):
+        i = take(counter)
+        while i < end:
+            times[i] += 1
+            i = take(counter)
+
+    # So many that the threads overlap: with an addition that is not atomic some are done twice.
+    work(np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64), 1)
+    times = np.zeros(3_000_000, dtype=np.int64)
+    over_runs(lambda counter, end: work(times, counter, end), times.size, threads)
+    assert np.all(times == 1)
+
+
+def test_one_thread_looks_for_an_interrupt_between_short_stretches_of_runs(monkeypatch):
+    """Every 50 to 100 ms, as the clock says: runs of 4 ms at first, then of 20 ms."""
+    clock, ends = [0.0], [0]
+    monkeypatch.setattr(time, "perf_counter", lambda: clock[0])
+
+    def work(counter, end):
+        clock[0] += sum(0.004 if i < 32 else 0.02 for i in range(int(counter[0]), end))
+        ends.append(end)
+
+    over_runs(work, 52, 1)
+    assert ends == [0, 16, 32, 48, 52]
+    clock[0], ends[:] = 0.0, [0]
+    over_runs(work, 70, 1)
+    assert ends == [0, 16, 32, 48, 56, 60, 64, 68, 70]
+    clock[0], ends[:] = 0.0, [0]
+    over_runs(lambda counter, end: ends.append(end), 300, 1)
+    assert ends == [0, 16, 48, 112, 240, 300]
+
+
+def test_threads_begin_no_run_once_interrupted():
+    """Each run takes a millisecond, all of them a second on four threads."""
+    done, next_run = [], numba.njit(lambda counter: take(counter))
+
+    def work(counter, end):
+        while (i := next_run(counter)) < end:
+            time.sleep(0.001)
+            done.append(i)
+            if i == 20:
+                signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        over_runs(work, 4000, 4)
+    assert len(done) < 400
+
+
 def _slow(job):
     if job == 0:
         os.kill(os.getpid(), signal.SIGINT)
@@ -172,8 +226,14 @@ AT_RANDOM_TIMES = """
 import random, signal, time
 import numpy as np
 {use}
+due = False
 def interrupt(number, frame):
-    signal.raise_signal(signal.SIGINT)
+    # One in a try: an alarm that reached an ending thread may come in the next try, before its own, and a second
+    # Ctrl-C does not wait.
+    global due
+    if due:
+        due = False
+        signal.raise_signal(signal.SIGINT)
 
 signal.signal(signal.SIGALRM, interrupt)
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -186,9 +246,11 @@ for _ in range(20):
 longest, heard, tries = 1.5 * min(takes), 0, {tries}
 for _ in range(tries):
     try:
+        due = True
         signal.setitimer(signal.ITIMER_REAL, max(1e-6, longest * random.random()))
         work()
         signal.setitimer(signal.ITIMER_REAL, 0.0)
+        due = False
     except KeyboardInterrupt:
         heard += 1
 print(tries // 10 < heard <= tries)
@@ -334,6 +396,42 @@ def test_an_interrupt_while_code_is_compiled_is_not_lost(how, times):
     code = WHILE_COMPILING.format(compile=how.strip(), tries=25, times=times)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
     assert (done.returncode, done.stdout) == (0, "True\n"), done.stderr
+
+
+@pytest.mark.parametrize(("put_off", "reached"), [(uninterrupted, [1]), (undisturbed, [1, 2])])
+def test_a_second_interrupt_stops_a_run_and_waits_for_the_compiler(put_off, reached):
+    """The compiler may not survive it: the process has died of it (SIGSEGV)."""
+    found, seen = [], []
+
+    def call():
+        for k in (1, 2):
+            signal.raise_signal(signal.SIGINT)
+            found.append(k)
+
+    with pytest.raises(KeyboardInterrupt):
+        put_off(call)
+    assert found == reached
+    # Whoever counts them, as the writing of files does, is told of each.
+    signal.signal(signal.SIGINT, lambda number, frame: seen.append(number))
+    try:
+        put_off(call)
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    assert seen == [signal.SIGINT] * 2
+
+
+def test_a_second_interrupt_is_heard_whatever_the_call_makes_of_it():
+    """As numba makes a SystemError of one that comes while it hands over an array."""
+
+    def call():
+        signal.raise_signal(signal.SIGINT)
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except KeyboardInterrupt:
+            raise SystemError("an array") from None
+
+    with pytest.raises(KeyboardInterrupt):
+        uninterrupted(call)
 
 
 @pytest.mark.parametrize("first", [True, False])

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numba
 import numpy as np
@@ -13,7 +14,8 @@ import pytest
 from numba import types
 
 import rocking
-from rocking.solvers.numba.compiling import bound_motion
+from rocking.solvers.numba import batch, compiling, counter, windows
+from rocking.solvers.numba.compiling import _digest, bound_motion
 
 RUN = {
     "method1": "Method1(Block(0.2, 0.8), g=9.81)",
@@ -146,3 +148,14 @@ def test_so_is_a_base_motion_of_another_package(tmp_path: Path, monkeypatch: pyt
     with pytest.warns(RuntimeWarning, match=r"not kept: .*shaking_of_mine\.py was changed after this process began"):
         assert bound_motion(kernel, None, signature)(3.0, par) == (21.0, 5.0, 0.0, 0.0)
     assert {p.name for p in tmp_path.rglob("*.nbi")} <= kept
+
+
+@pytest.mark.parametrize("module", [batch, windows])
+def test_what_a_loop_takes_its_runs_with_is_among_its_sources(module: Any) -> None:
+    """An intrinsic is no function, of which the digest would find the file."""
+
+    def body(taken):
+        return counting.take(taken)
+
+    counting = module.counter
+    assert _digest(body, [])[1] == sorted([__file__, counter.__file__, compiling.__file__])

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from rocking.hybrid import REST, Discrete, System
 from rocking.motion import BaseMotion, pitch_kernel
+from rocking.solvers.numba import counter
 from rocking.solvers.numba.compiling import compiled
 from rocking.solvers.numba.functions import (
     Size,
@@ -43,9 +44,10 @@ def _loop_over_runs(functions: tuple[Any, ...], kind: Any, size: Size) -> Any:
 
     def batch(
         flow, guards, jump, balance, motion, run, y0, q0, pars, hooks, values, mpars, edges, steps, tol, most,
-        n_guards, is_impact, at, out, first, last,
+        n_guards, is_impact, at, out, taken, end,
     ):  # fmt: skip
-        for i in range(first, last):
+        i = counter.take(taken)
+        while i < end:
             q = Discrete(int(q0[i, 0]), q0[i, 1], q0[i, 2])
             par = parameters(pars[i], hooks, values[i])
             status, t, mode, _, peak, _, (times, codes, _, states) = run(
@@ -63,6 +65,7 @@ def _loop_over_runs(functions: tuple[Any, ...], kind: Any, size: Size) -> Any:
             theta = states[times.size - 1, 0, at[0]] if times.size > 0 else y0[i, at[0]]
             out[i, STATUS], out[i, T_END], out[i, OVERTURNING], out[i, THETA_END] = status, t, overturning, theta
             out[i, PEAK], out[i, IMPACTS], out[i, ONSET], out[i, LAST_MODE] = peak, impacts, onset, mode
+            i = counter.take(taken)
 
     f8, i8 = types.float64, types.int64
     row, table = f8[::1], f8[:, ::1]
@@ -71,7 +74,7 @@ def _loop_over_runs(functions: tuple[Any, ...], kind: Any, size: Size) -> Any:
     held = types.int64 if size.slots == 0 else parameter_type(kind, size).types[-1]
     arguments = (
         *pointers, table, table, table, held, f8[:, :, ::1], table, table, row, row, i8, i8, flags, watched, table,
-        i8, i8,
+        i8[::1], i8,
     )  # fmt: skip
     label = f"batch_{kind.__module__}_{kind.__qualname__}_{size.slots}_{size.width}".replace(".", "_")
     return compiled(batch, arguments, label)
@@ -161,7 +164,7 @@ def run_batch(
         (names.index("theta"), names.index("omega")),
         out,
     )
-    over_runs(lambda first, last: loop(*arguments, first, last), len(systems), get_num_threads())
+    over_runs(lambda taken, end: loop(*arguments, taken, end), len(systems), get_num_threads())
     return {
         "fell": out[:, STATUS] == FELL,
         "failed": ~np.isin(out[:, STATUS], (FELL, REACHED_END)),

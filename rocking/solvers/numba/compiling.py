@@ -26,7 +26,7 @@ from numba.extending import register_jitable
 
 import rocking
 from rocking._sources import edited, stamp
-from rocking.solvers.interrupts import uninterrupted
+from rocking.solvers.interrupts import undisturbed
 from rocking.solvers.numba import namespace
 
 # Hooks are pointers in a tuple, which numba calls experimental each time that it sees them.
@@ -147,12 +147,12 @@ def compiled(
     body.__qualname__ = f"{label}_{digest}"
     given: dict[str, Any] = {"nogil": True, "error_model": "numpy", "parallel": parallel}
     try:
-        dispatcher = uninterrupted(numba.njit(signature, cache=keep, **given), body)
+        dispatcher = undisturbed(numba.njit(signature, cache=keep, **given), body)
     except RuntimeError as error:
         if "no locator available" not in str(error):
             raise
         warnings.warn(NOT_KEPT, RuntimeWarning, stacklevel=2)
-        keep, dispatcher = False, uninterrupted(numba.njit(signature, **given), body)
+        keep, dispatcher = False, undisturbed(numba.njit(signature, **given), body)
     if keep:
         _drop_stale(dispatcher, label, digest)
     return dispatcher

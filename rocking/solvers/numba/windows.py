@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from rocking.hybrid import Discrete, System
 from rocking.motion import BaseMotion, pitch_kernel
+from rocking.solvers.numba import counter
 from rocking.solvers.numba.batch import hooks_of
 from rocking.solvers.numba.compiling import compiled
 from rocking.solvers.numba.functions import (
@@ -65,9 +66,10 @@ def _loop(functions: tuple[Any, ...], kind: Any, size: Size) -> Any:
 
     def windows(
         flow, guards, jump, balance, motion, run, index, y0, q0, pars, hooks, values, mpars, edges, steps, tol, times,
-        first, most, n_guards, at, y, mode, s, ends, begin, end,
+        first, most, n_guards, at, y, mode, s, ends, taken, end,
     ):  # fmt: skip
-        for i in range(begin, end):
+        i = counter.take(taken)
+        while i < end:
             q = Discrete(int(q0[i, 0]), q0[i, 1], q0[i, 2])
             system, base = index[i, 0], index[i, 1]
             par = parameters(pars[system], hooks, values[system])
@@ -83,6 +85,7 @@ def _loop(functions: tuple[Any, ...], kind: Any, size: Size) -> Any:
             for k in range(events.size):
                 if codes[k, 0] == -1:
                     ends[i, 2] = events[k]
+            i = counter.take(taken)
 
     f8, i8 = types.float64, types.int64
     row, table = f8[::1], f8[:, ::1]
@@ -90,7 +93,7 @@ def _loop(functions: tuple[Any, ...], kind: Any, size: Size) -> Any:
     held = types.int64 if size.slots == 0 else parameter_type(kind, size).types[-1]
     arguments = (
         *pointers, i8[:, ::1], table, table, table, held, f8[:, :, ::1], table, table, row, row, row, i8[::1], i8, i8,
-        types.UniTuple(i8, 2), table, i8[::1], row, table, i8, i8,
+        types.UniTuple(i8, 2), table, i8[::1], row, table, i8[::1], i8,
     )  # fmt: skip
     label = f"windows_{kind.__module__}_{kind.__qualname__}_{size.slots}_{size.width}".replace(".", "_")
     return compiled(windows, arguments, label)
@@ -172,6 +175,6 @@ def run_windows(
         s,
         ends,
     )
-    over_runs(lambda begin, end: loop(*arguments, begin, end), len(starts), get_num_threads())
+    over_runs(lambda taken, end: loop(*arguments, taken, end), len(starts), get_num_threads())
     status = ends[:, 0]
     return Samples(y, mode, s, status == FELL, ~np.isin(status, (FELL, REACHED_END)), ends[:, 1], ends[:, 2])

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from excitation import RampedSinusoid
 from rocking import Block, Method1, Method2, Mode, scalars, solve, solve_batch
+from rocking.composed_method2 import ComposedMethod2
 from rocking.effect import Effect
 from rocking.effects import compose, load, parse
 from rocking.form import Form
@@ -210,7 +211,10 @@ def test_a_restitution_that_changes_has_to_be_there() -> None:
             compose(method, changing)
     # Rocking impacts of this law have it, whatever landings from the air do.
     both = Method2(BLOCK, friction=0.5, impact_law="two_corner", restitution=0.95, normal_restitution=0.2)
-    assert compose(both, changing).parameters.hooks.striking == 1  # type: ignore[attr-defined]
+    composed: Any = compose(both, changing)
+    assert composed.hooks.striking == 1
+    with pytest.raises(ValueError, match=r"impact_law='frictional': an effect changes the restitution, which only"):
+        ComposedMethod2(Method2(BLOCK, friction=0.5), composed.hooks)
 
 
 def test_a_system_that_does_not_carry_a_pitch_says_so() -> None:

@@ -64,7 +64,7 @@ def plain_fits(monkeypatch):
 
 def itself(*rms):
     found = whole(*rms)
-    found.windows = tuple(SimpleNamespace(theta_sd=0.0, sd=None) for _ in rms)
+    found.windows = tuple(SimpleNamespace(theta_sd=0.0, sd=None, weights=np.ones(50)) for _ in rms)
     found.model = found
     return found
 
@@ -78,6 +78,24 @@ def test_a_lost_record_does_not_make_up_for_what_others_lose(plain_fits):
     setup = SimpleNamespace(simulator=None)
     assert not explains_more(setup, itself(1.5, 1.5, 1.5, 25.0), itself(1.3, 1.3, 1.3, 40.0))
     assert explains_more(setup, itself(1.0, 1.0, 1.0, 40.0), itself(1.5, 1.5, 1.5, 25.0))
+
+
+def test_what_is_noise_to_either_of_two_fits_counts_as_noise(monkeypatch):
+    """One takes a record that it misses by 30 for chance, the other, which meets it, does not."""
+    seen = []
+
+    def again(_, model, parameters, windows, **__):
+        seen.append([w.sd for w in windows])
+        return whole(*(r / w.sd[0] for r, w in zip(model, windows, strict=True)))
+
+    def found(rms, *sds):
+        return SimpleNamespace(model=rms, windows=[SimpleNamespace(weights=np.full(50, 1.0 / sd)) for sd in sds])
+
+    monkeypatch.setattr(whole_records, "fit", again)
+    monkeypatch.setattr(whole_records, "replace", lambda window, sd: SimpleNamespace(sd=sd, theta_sd=0.0))
+    setup, wild, tame = SimpleNamespace(simulator=None), found((1.0, 30.0), 1.0, 30.0), found((3.0, 1.0), 1.0, 1.0)
+    assert explains_more(setup, wild, tame) and not explains_more(setup, tame, wild)
+    assert all(np.array_equal(sds, [np.ones(50), np.full(50, 30.0)]) for sds in seen) and len(seen) == 4
 
 
 def trial(name, chi2, over, *, costly=False, slips=False):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -48,6 +49,17 @@ def test_a_record_without_base_noise_is_believed_whole_and_a_stump_is_left_out()
     assert predictable([window(0.0)])[0].times.size == 400
     assert predictable([window(60.0)]) == []
     assert predictable([window(0.0, FEWEST_SAMPLES - 1)]) == []
+
+
+def test_other_weights_leave_aside_those_before_and_keep_what_the_records_say(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By hand, in units of the sensor's noise: 3 of the record itself, sqrt(8) of base noise, twice its variance."""
+    record = replace(window(0.0), sd=np.full(400, 3.0 * 2e-4))
+    fitted = replace(record, theta=0.2, sd=np.full(400, 70.0 * 2e-4))
+    setup: Any = SimpleNamespace(whole=[record], noisy=None, campaign=SimpleNamespace(tests=[None]))
+    monkeypatch.setattr(settling, "variances", lambda *_: [np.full(400, 8.0 * 2e-4**2)])
+    model: Any = None
+    [found] = settling.weighed_under(setup, model, [fitted])
+    assert found.theta == 0.2 and found.sd == pytest.approx(np.full(400, 5.0 * 2e-4), rel=1e-12)
 
 
 def estimate(values: dict[str, float]) -> Any:

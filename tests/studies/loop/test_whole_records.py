@@ -16,8 +16,9 @@ from studies.laboratory.parameters import G
 from studies.loop import closing, searching, whole_records
 from studies.loop.candidates import candidates
 from studies.loop.model import LoopModel
+from studies.loop.rivals import Rival
 from studies.loop.tracing import Trial, all_candidates
-from studies.loop.whole_records import MISSED, _at_the_cost_of_others, _explains, hinted, scan
+from studies.loop.whole_records import MISSED, _at_the_cost_of_others, _explains, _scanned, hinted, scan
 
 RIVALS = {"compliant_base", "sliding", "base_tilt", "viscous_damping", "base_motion_lag"}
 
@@ -47,10 +48,41 @@ def test_whole_records_that_are_met_or_not_predictable_are_not_asked(rms, window
     assert hinted(None, None, SimpleNamespace(rms=rms, windows=windows), None) == ()
 
 
+def _window(sd=1.0):
+    return SimpleNamespace(theta_sd=0.0, noise=np.ones(100), weights=np.full(100, 1.0 / sd))
+
+
+def test_a_scan_is_not_led_by_a_record_that_hangs_finely_on_the_base(monkeypatch):
+    """One record says the moment smoothly; the other is far off under any, but for one where it is met by chance.
+
+    With the effect base noise moves the other by 100 standard deviations of the sensor, which is how far off it is.
+    """
+    block = DeclaredBlock(0.15, 0.5, 0.25, 11.25)
+    [adhesion] = [c for c in candidates(block) if c.effect == "base_adhesion"]
+    moments = [values["base_adhesion.moment"] for values in adhesion.scanned]
+    true, lucky = moments[12], moments[5]
+
+    def fit(_, model, parameters, windows, **__):
+        off = model.get("base_adhesion.moment") - true
+        left = [20.0 * off / true, 0.0 if model.get("base_adhesion.moment") == lucky else 100.0]
+        chi2 = sum(float(np.sum((x * w.weights) ** 2)) for x, w in zip(left, windows, strict=True))
+        return SimpleNamespace(chi2=chi2, model=model, windows=windows)
+
+    monkeypatch.setattr(whole_records, "fit", fit)
+    monkeypatch.setattr(whole_records, "predictable", lambda given: given)
+    monkeypatch.setattr(whole_records, "weighed_under", lambda setup, model, windows: [_window(), _window(100.0)])
+    without = SimpleNamespace(model=LoopModel(block, 0.9), windows=())
+    off, near = _scanned(SimpleNamespace(simulator=None), SimpleNamespace(windows=()), without, adhesion)
+    assert near.model.get("base_adhesion.moment") == true
+    # What makes a record unpredictable pays for it, as in a likelihood.
+    assert off == pytest.approx(100.0 + 200.0 * math.log(100.0), rel=1e-12)
+
+
 @pytest.mark.parametrize("without, named", [(95.0, False), (5000.0, True)], ids=["by the refit", "by the effect"])
 def test_a_scan_counts_what_the_effect_gains_and_not_what_a_refit_does(without, named, monkeypatch):
     block = DeclaredBlock(0.15, 0.5, 0.25, 11.25)
     [adhesion] = [c for c in candidates(block) if c.effect == "base_adhesion"]
+    shared, own, without_it = (_window(),) * 2, (_window(),) * 2, []
 
     def fit(_, model, parameters, windows, **__):
         # Of 100 samples: before any refit 1e4, then what the case says.
@@ -58,23 +90,34 @@ def test_a_scan_counts_what_the_effect_gains_and_not_what_a_refit_does(without, 
         # The rival lacks the effect altogether: with friction without limit it would still refuse some restitutions.
         assert there or "base_adhesion" not in model.effects
         chi2 = 90.0 if there else (without if "refitted" in model.mountings else 1e4)
+        if not there:
+            without_it.append(windows)
         if there and parameters:
             model = replace(model, mountings={"refitted": 0.0})
         residual = np.full(100, math.sqrt(chi2 / 100.0))
         return SimpleNamespace(
             chi2=chi2, model=model, windows=windows, samples=100, rms=1.0, residuals=(residual, residual),
-            by_window=np.array([math.sqrt(chi2 / 100.0)] * 2), whole=SimpleNamespace(),
+            parameters=parameters, by_window=np.array([math.sqrt(chi2 / 100.0)] * 2), whole=SimpleNamespace(),
         )  # fmt: skip
+
+    def as_rival(setup, onto, whole, candidate, found, parameters, by_itself):
+        assert by_itself
+        return Rival(onto, found, math.nan, math.nan, math.nan)
 
     for name in ("fit", "fit_records"):
         monkeypatch.setattr(whole_records, name, fit)
     monkeypatch.setattr(whole_records, "predictable", lambda given: given)
-    monkeypatch.setattr(whole_records, "_as_rival", lambda *_: SimpleNamespace(whole=None))
+    monkeypatch.setattr(whole_records, "weighed_under", lambda setup, model, windows: own)
+    monkeypatch.setattr(whole_records, "_as_rival", as_rival)
     monkeypatch.setattr(whole_records, "gain", lambda *_: 0.5)
     onto = Trial((), (), SimpleNamespace(model=LoopModel(block, 0.9), windows=()))
-    whole = SimpleNamespace(model=onto.swing.model, windows=(SimpleNamespace(theta_sd=0.0),) * 2)
+    whole = SimpleNamespace(model=onto.swing.model, windows=shared)
     found = scan(SimpleNamespace(simulator=None), onto, whole, [adhesion])
     assert (found is not None) == named
+    # What it gains counts under its own weights, and rivals are compared under those that they share.
+    assert without_it[0] is shared and all(windows is own for windows in without_it[1:])
+    if found is not None:
+        assert found.criterion == pytest.approx(90.0 + 2 * math.log(100.0), rel=1e-12) and found.whole.windows is own
 
 
 @pytest.mark.slow
