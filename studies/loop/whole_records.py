@@ -19,7 +19,7 @@ from studies.loop.fitting import Fit, fit, fit_records
 from studies.loop.model import RESTITUTION
 from studies.loop.parameters import Parameter
 from studies.loop.preparing import Setup
-from studies.loop.rivals import Rival
+from studies.loop.rivals import TWIN, Rival
 from studies.loop.scoring import errors
 from studies.loop.settling import gain, neighbours, predictable, reweighed, weighed_under, where_told, whole_fit
 from studies.loop.tracing import PAYS, Round, Trial, bic
@@ -28,7 +28,7 @@ LEAST_OF_A_SCAN = 0.15
 """Share by which an effect that whole records alone show has to lower their rms: their sums of squares are rugged."""
 
 MISSED = 1.3
-"""Rms of whole records over their noise from which they are asked about effects that swings only hint at."""
+"""Rms of whole records over their noise from which they are missed, one or all of them: then they are asked."""
 
 HINT = 6.0
 """What such an effect lowers the criterion of the swings by, at the least: odds of exp(3)."""
@@ -69,14 +69,15 @@ def ranked(setup: Setup, rivals: Sequence[Rival]) -> tuple[Rival, ...]:
     """The rivals, the best first: by their criterion, but none before one that explains far more of whole records.
 
     The criterion is of what is predictable, for beyond it no fit finds its way.  To compare what was found needs none:
-    a model that goes on where another one is lost says more than one that is closer up to there.
+    a model that goes on where another one is lost says more than one that is closer up to there.  One that is lost
+    nowhere is not outdone: how close it is to the end of a record hangs on the noise of the base.
     """
     if not rivals:
         return ()
     by_criterion = sorted(rivals, key=lambda r: r.criterion)
     best = by_criterion[0]
     for rival in by_criterion[1:]:
-        if explains_more(setup, rival.whole, best.whole):
+        if np.any(best.whole.by_window > MISSED) and explains_more(setup, rival.whole, best.whole):
             best = rival
     others = [r for r in by_criterion if r is not best]
     refused = (replace(r, refused=explains_more(setup, best.whole, r.whole)) for r in others)
@@ -214,11 +215,18 @@ def _as_rival(
 
 
 def hints(onto: Trial, tried: Round, hint: float = HINT) -> list[Trial]:
-    """The trials of a round that swings hint at, the strongest hints first; of forms tried in turn the best one."""
-    likely = [t for t in tried.trials if t.parts[-1].in_swings and bic(t.swing) < bic(onto.swing) - hint]
+    """The trials of a round that swings hint at, the strongest hints first; of forms tried in turn the best one.
+
+    Where swings hint at anything, its twins are among them: to tell these apart they have no say.
+    """
+    ranked = sorted((t for t in tried.trials if t.parts[-1].in_swings), key=lambda t: bic(t.swing))
+    if not ranked or bic(ranked[0].swing) >= bic(onto.swing) - hint:
+        return []
+    enough = max(bic(onto.swing) - hint, bic(ranked[0].swing) + TWIN)
     best: dict[str, Trial] = {}
-    for trial in sorted(likely, key=lambda t: bic(t.swing)):
-        best.setdefault(trial.parts[-1].after or trial.names[-1], trial)
+    for trial in ranked:
+        if bic(trial.swing) < enough:
+            best.setdefault(trial.parts[-1].after or trial.names[-1], trial)
     return list(best.values())[:MOST_HINTS]
 
 
@@ -228,10 +236,11 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round, hint: float = HI
     hint: what an effect lowers the criterion of the swings by, at the least.
 
     An effect may be too small for a swing and yet turn the end of a record.  Records are compared while they are
-    predictable, and one that is lost altogether counts less.
+    predictable, and one that is lost altogether counts less.  What is predictable may be within its noise where the
+    rest is not: the base moves many samples at once.
     """
     windows = predictable(whole.windows)
-    if whole.rms < MISSED or not windows:
+    if not windows or not np.any(whole.by_window > MISSED):
         return ()
     without = fit_records(setup.simulator, whole.model, onto.every, windows, iterations=8)
     # The records that are missed most tell the starts apart.
@@ -254,8 +263,11 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round, hint: float = HI
         own = fit_records(
             setup.simulator, nearest.model, trial.every, states, iterations=12, again=not trial.costly
         )  # fmt: skip
-        if _explains(own, without) and not _at_the_cost_of_others(own, without):
-            found.append(_as_rival(setup, onto, whole, trial.parts[-1], own, trial.every))
+        if _at_the_cost_of_others(own, without):
+            continue
+        rival = _as_rival(setup, onto, whole, trial.parts[-1], own, trial.every)
+        if _explains(own, without) or gain(setup, whole, rival.whole) > LEAST_OF_A_SCAN:
+            found.append(rival)
     return tuple(sorted(found, key=lambda r: r.criterion))
 
 

@@ -286,16 +286,26 @@ def test_another_form_that_fits_as_well_is_said_and_one_that_fits_worse_is_not()
     assert said.startswith("Slide or slide (ratio): these data do not tell which")
 
 
-def test_of_forms_tried_in_turn_one_hint_is_put_to_whole_records():
-    def hint(name, bic_of_swings, after=""):
-        part = SimpleNamespace(name=name, after=after, in_swings=True)
-        swing = SimpleNamespace(chi2=bic_of_swings, parameters=(), samples=10)
-        return SimpleNamespace(names=(name,), parts=(part,), swing=swing)
+def _hint(name, bic_of_swings, after=""):
+    part = SimpleNamespace(name=name, after=after, in_swings=True)
+    swing = SimpleNamespace(chi2=bic_of_swings, parameters=(), samples=10)
+    return SimpleNamespace(names=(name,), parts=(part,), swing=swing)
 
-    tried = [hint("slide", 50.0), hint("slide[ratio]", 40.0, "slide"), hint("lag[a]", 60.0), hint("lag[b]", 61.0)]
+
+def _hints_at_100(*tried):
     onto = SimpleNamespace(swing=SimpleNamespace(chi2=100.0, parameters=(), samples=10))
-    found = whole_records.hints(onto, SimpleNamespace(trials=tried))
-    assert [t.names[-1] for t in found] == ["slide[ratio]", "lag[a]", "lag[b]"]
+    return [t.names[-1] for t in whole_records.hints(onto, SimpleNamespace(trials=tried))]
+
+
+def test_of_forms_tried_in_turn_one_hint_is_put_to_whole_records():
+    tried = [_hint("slide", 50.0), _hint("slide[ratio]", 40.0, "slide"), _hint("lag[a]", 60.0), _hint("lag[b]", 61.0)]
+    assert _hints_at_100(*tried) == ["slide[ratio]", "lag[a]", "lag[b]"]
+
+
+def test_a_twin_of_a_hint_is_put_to_whole_records_and_without_a_hint_none_is():
+    """A hint is 6 of the criterion; its twins are within 12."""
+    assert _hints_at_100(_hint("gain", 91.0), _hint("mass", 101.0), _hint("drag", 104.0)) == ["gain", "mass"]
+    assert _hints_at_100(_hint("gain", 95.0), _hint("mass", 96.0)) == []
 
 
 @pytest.mark.parametrize(("gained", "tried"), [(0.0, ["plain"]), (2.9, ["plain"]), (3.1, ["plain", "plain[other]"])])
