@@ -41,13 +41,18 @@ def second_impact(folder: Path, method: str, before: str = "") -> float:
         f"assert rocking.__file__.startswith({str(folder)!r}), rocking.__file__\n"
         f"print(solve({RUN[method]}, theta=0.12, t_end=1.5, solver='numba').impact_times[1].hex())"
     )
+    return float.fromhex(printed(folder, code))
+
+
+def printed(folder: Path, code: str) -> str:
+    """What a process of its own prints that has `folder` first on its path."""
     environment = {**os.environ, "PYTHONPATH": str(folder)}
     environment.pop("NUMBA_CACHE_DIR", None)
     result = subprocess.run(
         [sys.executable, "-c", code], cwd=folder, env=environment, capture_output=True, text=True, check=False
     )
     assert result.returncode == 0, result.stderr
-    return float.fromhex(result.stdout.strip())
+    return result.stdout.strip()
 
 
 def cache_files(folder: Path) -> dict[str, int]:
@@ -95,6 +100,38 @@ def test_method_2_sees_an_edit_of_a_function_that_it_calls_from_another_file(pac
     )
     assert abs(second_impact(package, "method2") - first) > 1e-4
     assert len(cache_files(package)) == len(compiled), "files of the old physics are left behind"
+
+
+MANY_RUNS = """
+import sys
+import numpy as np
+import rocking
+from rocking import Block, Method1, Method2, solve_batch
+from rocking.effects import compose
+from rocking.effects.viscous_damping import ViscousDamping
+from rocking.motion import Still
+from rocking.solvers.numba.windows import Start, run_windows
+
+assert rocking.__file__.startswith(FOLDER), rocking.__file__
+for effects in ((), (ViscousDamping(0.3),)):
+    system = compose(METHOD, effects)
+    print([theta.hex() for theta in solve_batch(system, theta=[0.1, 0.12], omega=0.2, t_end=0.7).peak_rotation])
+    start = Start(0, 0, 0.0, 0.7, *system.initial_state(0.12, 0.0))
+    print([theta.hex() for theta in run_windows([system], [Still()], [start], [np.array([0.5, 0.7])]).y[:, 0]])
+"""
+
+
+# A loop over runs that held compiled code of its own was kept by every process under a new key, and found by none.
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["Method1(Block(0.2, 0.8))", "Method2(Block(0.2, 0.8), friction=1.2)"])
+def test_many_runs_are_compiled_once_with_effects_and_without(package: Path, method: str) -> None:
+    code = MANY_RUNS.replace("METHOD", method).replace("FOLDER", repr(str(package)))
+    first = printed(package, code)
+    compiled = cache_files(package)
+    assert any("batch_" in name for name in compiled)
+    assert any("windows_" in name for name in compiled)
+    assert printed(package, code) == first
+    assert cache_files(package) == compiled, "the second process compiled something again"
 
 
 @pytest.mark.slow

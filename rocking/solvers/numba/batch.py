@@ -6,6 +6,7 @@ Each run is that of `rocking.solvers.numba.solver`, bit for bit, whatever the nu
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Sequence
 from functools import cache
 from typing import Any
@@ -20,13 +21,12 @@ from rocking.solvers.numba import counter
 from rocking.solvers.numba.compiling import compiled
 from rocking.solvers.numba.functions import (
     Size,
-    compiled_hooks,
     motion_function,
-    parameter_maker,
     parameter_type,
     size_of,
     system_functions,
 )
+from rocking.solvers.numba.parameters import shared_parameters, with_numbers
 from rocking.solvers.recording import FELL, REACHED_END, segment_edges
 from rocking.solvers.threads import over_runs
 from rocking.trajectory import BALANCE
@@ -40,16 +40,15 @@ State = tuple[tuple[float, ...], Discrete]
 @cache
 def _loop_over_runs(functions: tuple[Any, ...], kind: Any, size: Size) -> Any:
     """The loop over runs; `functions` are flow, guards, jump, balance, motion and the loop of one run."""
-    parameters = parameter_maker(kind, size)
 
     def batch(
-        flow, guards, jump, balance, motion, run, y0, q0, pars, hooks, values, mpars, edges, steps, tol, most,
+        flow, guards, jump, balance, motion, run, y0, q0, like, numbers, values, mpars, edges, steps, tol, most,
         n_guards, is_impact, at, out, taken, end,
     ):  # fmt: skip
         i = counter.take(taken)
         while i < end:
             q = Discrete(int(q0[i, 0]), q0[i, 1], q0[i, 2])
-            par = parameters(pars[i], hooks, values[i])
+            par = with_numbers(like, numbers[i], values[i])
             status, t, mode, _, peak, _, (times, codes, _, states) = run(
                 flow, guards, jump, balance, motion, y0[i], q, par, mpars[i], edges[i], steps[i], tol, np.empty(0),
                 most, n_guards, at,
@@ -71,13 +70,13 @@ def _loop_over_runs(functions: tuple[Any, ...], kind: Any, size: Size) -> Any:
     row, table = f8[::1], f8[:, ::1]
     pointers = [types.FunctionType(function.nopython_signatures[0]) for function in functions]
     flags, watched = types.boolean[::1], types.UniTuple(i8, 2)
-    held = types.int64 if size.slots == 0 else parameter_type(kind, size).types[-1]
+    par = parameter_type(kind, size)
     arguments = (
-        *pointers, table, table, table, held, f8[:, :, ::1], table, table, row, row, i8, i8, flags, watched, table,
+        *pointers, table, table, par, table, f8[:, :, ::1], table, table, row, row, i8, i8, flags, watched, table,
         i8[::1], i8,
     )  # fmt: skip
     label = f"batch_{kind.__module__}_{kind.__qualname__}_{size.slots}_{size.width}".replace(".", "_")
-    return compiled(batch, arguments, label)
+    return compiled(batch, arguments, label, [str(sys.modules[kind.__module__].__file__)])
 
 
 def _edges(motions: Sequence[BaseMotion], t_start: float, t_end: float) -> NDArray[np.float64]:
@@ -87,22 +86,6 @@ def _edges(motions: Sequence[BaseMotion], t_start: float, t_end: float) -> NDArr
     for i, row in enumerate(rows):
         table[i, : len(row)] = row
     return table
-
-
-def hooks_of(systems: Sequence[System], size: Size) -> tuple[Any, NDArray[np.float64]]:
-    """Compiled hooks that all runs share, and the numbers that each takes, shape (run, 2 slots, width).
-
-    Raises:
-        ValueError: the systems have different hooks.
-    """
-    if size.slots == 0:
-        return 0, np.zeros((len(systems), 0, 0))
-    each = [s.parameters.hooks for s in systems]
-    if any(h._replace(values=()) != each[0]._replace(values=()) for h in each):
-        raise ValueError("systems: want the same effects on the equations of motion and on the impact in a batch")
-    if any(len(h.values[0]) != size.width for h in each):
-        raise ValueError("systems: want effects with as many numbers each in a batch")
-    return compiled_hooks(each[0]), np.array([h.values for h in each], dtype=np.float64)
 
 
 def run_batch(
@@ -143,17 +126,13 @@ def run_batch(
         first.flow, first.guards, first.jump, first.balance, kind, y0.shape[1], size, n_guards
     )
     every = (*functions, motion_function(base), run)
-    numbers = np.array([s.parameters[: size.floats] for s in systems], dtype=np.float64)
-    hooks, values = hooks_of(systems, size)
     loop = _loop_over_runs(every, kind, size)
     out = np.empty((len(systems), COLUMNS))
     arguments = (
         *every,
         y0,
         np.array([[q.mode, q.s, q.slip] for _, q in states], dtype=np.float64),
-        numbers,
-        hooks,
-        values,
+        *shared_parameters(systems, size),
         np.array([m.parameters for m in motions], dtype=np.float64),
         _edges(motions, *t_span),
         np.array([m.max_step for m in motions], dtype=np.float64),

@@ -81,38 +81,6 @@ def parameter_type(kind: Any, size: Size) -> Any:
     return types.NamedTuple((*(f8,) * size.floats, hooks), kind)
 
 
-@cache
-def parameter_maker(kind: Any, size: Size) -> Any:
-    """Compiled (numbers, hooks, values) -> parameters of one run, from rows of tables that hold all runs.
-
-    Raises:
-        ValueError: there are more hooks than the tables are made for.
-    """
-    import numba
-    from numba.np.unsafe import ndarray
-
-    to_fixed_tuple: Any = ndarray.to_fixed_tuple
-
-    floats, width = size.floats, size.width
-
-    def without(numbers, hooks, values):
-        return kind(*to_fixed_tuple(numbers, floats))
-
-    def with_four(numbers, hooks, values):
-        rows = (
-            to_fixed_tuple(values[0], width), to_fixed_tuple(values[1], width), to_fixed_tuple(values[2], width),
-            to_fixed_tuple(values[3], width), to_fixed_tuple(values[4], width), to_fixed_tuple(values[5], width),
-            to_fixed_tuple(values[6], width), to_fixed_tuple(values[7], width),
-        )  # fmt: skip
-        own = Hooks(hooks.accelerations, hooks.restitutions, rows, hooks.pushing, hooks.striking)
-        return kind(*to_fixed_tuple(numbers, floats), own)
-
-    makers: dict[int, Any] = {0: without, 4: with_four}
-    if size.slots not in makers:
-        raise ValueError("effects: want at most 4 on the motion and 4 on the impact in a batch")
-    return numba.njit(error_model="numpy")(makers[size.slots])
-
-
 def size_of(par: Any) -> Size:
     """How many floats, slots for hooks and numbers of a hook the parameters of a system have."""
     hooks = getattr(par, "hooks", None)

@@ -6,6 +6,7 @@ more memory than its parts.  Each run is that of `rocking.solvers.numba.solver`,
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -18,16 +19,15 @@ from numpy.typing import NDArray
 from rocking.hybrid import Discrete, System
 from rocking.motion import BaseMotion, pitch_kernel
 from rocking.solvers.numba import counter
-from rocking.solvers.numba.batch import hooks_of
 from rocking.solvers.numba.compiling import compiled
 from rocking.solvers.numba.functions import (
     Size,
     motion_function,
-    parameter_maker,
     parameter_type,
     size_of,
     system_functions,
 )
+from rocking.solvers.numba.parameters import shared_parameters, with_numbers
 from rocking.solvers.recording import FELL, REACHED_END, segment_edges
 from rocking.solvers.threads import over_runs
 
@@ -62,17 +62,16 @@ class Samples:
 @cache
 def _loop(functions: tuple[Any, ...], kind: Any, size: Size) -> Any:
     """The loop over runs; `functions` are flow, guards, jump, balance, motion and the loop of one run."""
-    parameters = parameter_maker(kind, size)
 
     def windows(
-        flow, guards, jump, balance, motion, run, index, y0, q0, pars, hooks, values, mpars, edges, steps, tol, times,
+        flow, guards, jump, balance, motion, run, index, y0, q0, like, numbers, values, mpars, edges, steps, tol, times,
         first, most, n_guards, at, y, mode, s, ends, taken, end,
     ):  # fmt: skip
         i = counter.take(taken)
         while i < end:
             q = Discrete(int(q0[i, 0]), q0[i, 1], q0[i, 2])
             system, base = index[i, 0], index[i, 1]
-            par = parameters(pars[system], hooks, values[system])
+            par = with_numbers(like, numbers[system], values[system])
             status, t, _, _, _, saved, (events, codes, _, _) = run(
                 flow, guards, jump, balance, motion, y0[i], q, par, mpars[base], edges[i], steps[base], tol,
                 times[first[i] : first[i + 1]], most, n_guards, at,
@@ -90,13 +89,13 @@ def _loop(functions: tuple[Any, ...], kind: Any, size: Size) -> Any:
     f8, i8 = types.float64, types.int64
     row, table = f8[::1], f8[:, ::1]
     pointers = [types.FunctionType(function.nopython_signatures[0]) for function in functions]
-    held = types.int64 if size.slots == 0 else parameter_type(kind, size).types[-1]
+    par = parameter_type(kind, size)
     arguments = (
-        *pointers, i8[:, ::1], table, table, table, held, f8[:, :, ::1], table, table, row, row, row, i8[::1], i8, i8,
+        *pointers, i8[:, ::1], table, table, par, table, f8[:, :, ::1], table, table, row, row, row, i8[::1], i8, i8,
         types.UniTuple(i8, 2), table, i8[::1], row, table, i8[::1], i8,
     )  # fmt: skip
     label = f"windows_{kind.__module__}_{kind.__qualname__}_{size.slots}_{size.width}".replace(".", "_")
-    return compiled(windows, arguments, label)
+    return compiled(windows, arguments, label, [str(sys.modules[kind.__module__].__file__)])
 
 
 def _rows(arrays: Sequence[Array], fill: float) -> Array:
@@ -148,7 +147,6 @@ def run_windows(
     n = len(first.state_names)
     functions, run = system_functions(first.flow, first.guards, first.jump, first.balance, kind, n, size, n_guards)
     every = (*functions, motion_function(base), run)
-    hooks, values = hooks_of(systems, size)
     offsets = np.concatenate([[0], np.cumsum([len(times) for times in save_at])]).astype(np.int64)
     y, mode, s = np.full((offsets[-1], n), np.nan), np.full(offsets[-1], -1, np.int64), np.full(offsets[-1], np.nan)
     ends = np.full((len(starts), 3), np.nan)
@@ -158,9 +156,7 @@ def run_windows(
         np.array([(start.system, start.motion) for start in starts], dtype=np.int64),
         np.array([start.y for start in starts], dtype=np.float64),
         np.array([(start.q.mode, start.q.s, start.q.slip) for start in starts], dtype=np.float64),
-        np.array([system.parameters[: size.floats] for system in systems], dtype=np.float64),
-        hooks,
-        values,
+        *shared_parameters(systems, size),
         _rows([np.asarray(m.parameters, dtype=np.float64) for m in motions], 0.0),
         _edges(starts, motions),
         np.array([m.max_step for m in motions], dtype=np.float64),
