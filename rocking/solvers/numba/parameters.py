@@ -16,11 +16,14 @@ from typing import Any
 import numpy as np
 from numba import types
 from numba.extending import overload
-from numba.np.unsafe.ndarray import to_fixed_tuple
+from numba.np.unsafe import ndarray
 from numpy.typing import NDArray
 
 from rocking.hybrid import Hooks, System
 from rocking.solvers.numba.functions import Size, compiled_parameters
+
+# An intrinsic, whose first argument numba gives.
+to_fixed_tuple: Any = ndarray.to_fixed_tuple
 
 SLOTS = 4
 """Hooks on the motion, and on the impact, that a batch has room for."""
