@@ -7,7 +7,7 @@ Parameters  odd_reach and even_reach, where f and g end [rad]; odd_intervals and
             odd_0 ... and even_0 ..., coefficients of f and g [rad/s^2], one more than there are intervals: the first is
             the value upright, the last that at the reach, those between about the values at the knots; 0 where absent
 Use when    a few coefficients (`learned_term`) do not reach: a pull near upright, ribs, a detent, a cable with slack
-Limits      no damping, no memory; what is narrower than an interval is smeared over it
+Limits      no damping (`learned_damping` has it), no memory; what is narrower than an interval is smeared over it
 Source      B-splines: de Boor, A practical guide to splines (1978); the coefficients before the first and after the
             last lie in line with their neighbours, so that the second derivative is zero at both ends
 Status      against SciPy's natural splines, and the absent value (tests)
@@ -58,6 +58,23 @@ def numbers(reach: float, coefficients: tuple[float, ...]) -> tuple[float, ...]:
     return (reach / n, float(n), *ends, *(0.0,) * (COUNT - HEAD - len(ends)))
 
 
+def none_beyond(effect: Effect, intervals: str, names: tuple[str, ...]) -> None:
+    """Of a curve's coefficients those after the last of its intervals are left at zero.
+
+    Raises:
+        ValueError: one is not, or the number of intervals is no whole one.
+    """
+    n = getattr(effect, intervals)
+    if n != int(n):
+        raise ValueError(f"{effect.name}.{intervals}={n!r}: want a whole number")
+    for name in names[int(n) + 1 :]:
+        if getattr(effect, name) != 0.0:
+            raise ValueError(
+                f"{effect.name}.{name}={getattr(effect, name)!r} {effect.units[name]}: want none beyond "
+                f"{names[int(n)]}, the last of {int(n)} intervals"
+            )
+
+
 _FIELDS: list[tuple[str, float]] = []
 for _kind, _names in (("odd", ODD), ("even", EVEN)):
     _FIELDS += [(f"{_kind}_reach", 1.0), (f"{_kind}_intervals", float(MOST)), *((name, 0.0) for name in _names)]
@@ -80,15 +97,7 @@ class LearnedCurve(_Coefficients):
     def __post_init__(self) -> None:
         super().__post_init__()
         for kind, names in (("odd", ODD), ("even", EVEN)):
-            n = getattr(self, f"{kind}_intervals")
-            if n != int(n):
-                raise ValueError(f"learned_curve.{kind}_intervals={n!r}: want a whole number")
-            for name in names[int(n) + 1 :]:
-                if getattr(self, name) != 0.0:
-                    raise ValueError(
-                        f"learned_curve.{name}={getattr(self, name)!r} rad/s^2: want none beyond {kind}_{int(n)}, the "
-                        f"last of {int(n)} intervals"
-                    )
+            none_beyond(self, f"{kind}_intervals", names)
 
     def __repr__(self) -> str:
         given = [(f.name, getattr(self, f.name)) for f in fields(self) if getattr(self, f.name) != f.default]

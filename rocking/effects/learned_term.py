@@ -2,7 +2,8 @@
 
 Adds        theta'' += bias + side s + spring theta + cubic theta^3 + friction f(omega) + damping omega
             + side_damping s omega + drag |omega| omega + cubic_damping omega^3 + base a_x
-            + structural |theta| f(omega), f(omega) = omega / sqrt(omega^2 + 0.01^2);
+            + structural |theta| f(omega) + side_friction s f(omega) + outward s |omega|,
+            f(omega) = omega / sqrt(omega^2 + 0.01^2);
             e += restitution_side s + restitution_speed |omega| + restitution_square omega^2
 Parameters  coefficients of these terms, in SI units of an angular acceleration or of restitution; 0 where absent
 Use when    a term is wanted that says how the residual looks, not what it comes from
@@ -26,9 +27,10 @@ SMOOTH = 0.01
 def torque(xp: Any, theta: Any, omega: Any, s: Any, base: Any, values: Any) -> Any:
     """The expansion in rotation, speed, side and base motion [rad/s^2]."""
     rest = values[0] + values[1] * s + values[2] * theta + values[3] * theta * theta * theta + values[9] * base.a_x
-    rubbing = (values[4] + values[13] * xp.abs(theta)) * omega / xp.sqrt(omega * omega + SMOOTH * SMOOTH)
+    friction = values[4] + values[13] * xp.abs(theta) + values[14] * s
+    rubbing = friction * omega / xp.sqrt(omega * omega + SMOOTH * SMOOTH)
     speed = values[5] + values[6] * s + values[7] * xp.abs(omega) + values[8] * omega * omega
-    return rest + rubbing + speed * omega
+    return rest + rubbing + speed * omega + values[15] * s * xp.abs(omega)
 
 
 def loss(xp: Any, e: Any, omega: Any, s: Any, values: Any) -> Any:
@@ -54,6 +56,8 @@ class LearnedTerm(Effect):
     restitution_speed: float = 0.0
     restitution_square: float = 0.0
     structural: float = 0.0
+    side_friction: float = 0.0
+    outward: float = 0.0
 
     name: ClassVar[str] = "learned_term"
     units: ClassVar[dict[str, str]] = {
@@ -71,6 +75,8 @@ class LearnedTerm(Effect):
         "restitution_speed": "s/rad",
         "restitution_square": "s^2/rad^2",
         "structural": "1/s^2",
+        "side_friction": "rad/s^2",
+        "outward": "1/s",
     }
     acceleration = staticmethod(torque)
     restitution = staticmethod(loss)

@@ -18,7 +18,7 @@ from .parameters import INDEX, World, refuse
 MU, K, CD, NS = (INDEX[k] for k in ("friction", "stiffness", "damping", "springs"))
 CREEP = 5e-4  # m/s
 STEP = 1e-5  # s
-FOREIGN = ("radius", "adhesion", "slope", "side", "leak", "bedding", "hinge", "layer", "slosh_mass", "give")
+FOREIGN = ("radius", "adhesion", "slope", "side", "leak", "bedding", "hinge", "guide", "layer", "slosh_mass", "give")
 """What these equations lack: no impact is at an instant, and corners are sharp."""
 
 

@@ -262,6 +262,19 @@ def hinge_friction(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     return _world(lab, hinge=k * d.between(0.05, 0.4)), {}
 
 
+def one_sided_friction(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
+    """A guide rubs on one side of the block while it leans that way."""
+    w = lab.world
+    p2 = w.mass * w.gravity * np.hypot(w.half_breadth, w.centre_height) / w.corner_inertia
+    return _world(lab, guide=k * d.between(0.002, 0.02) * p2 * w.alpha), {}
+
+
+def squeezed_air(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
+    """Air goes out of and into the gap under the base, which takes most while it is narrow."""
+    width = (0.03 + 0.1 * d.other) * lab.world.alpha
+    return _world(lab, squeeze=k * d.between(0.1, 0.8), squeeze_width=width), {}
+
+
 def one_sided_damping(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     return _world(lab, side_viscous=k * d.between(0.02, 0.15)), {}
 
@@ -320,8 +333,8 @@ NAMED: dict[str, Effect] = {
 UNNAMED: dict[str, Effect] = {
     f.__name__: f
     for f in (
-        restitution_by_side, wear, cubic_torque, hinge_friction, one_sided_damping, leaking_restitution, bedding_in,
-        ribbed_cable, magnet, hysteretic_layer, slosh, curved_sensor,
+        restitution_by_side, wear, cubic_torque, hinge_friction, one_sided_friction, one_sided_damping, squeezed_air,
+        leaking_restitution, bedding_in, ribbed_cable, magnet, hysteretic_layer, slosh, curved_sensor,
     )
 }  # fmt: skip
 

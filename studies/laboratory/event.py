@@ -28,6 +28,7 @@ VIS, QUA, TK, TP, TM, ADH = (
 SLOPE, SIDE, LEAK, LEAKT, BED = (INDEX[k] for k in ("slope", "side", "leak", "leak_time", "bedding"))
 CUB, HIN, SVIS, RIB, RIBP = (INDEX[k] for k in ("cubic", "hinge", "side_viscous", "rib", "rib_period"))
 MAG, MAGW, LAY, LAYW = (INDEX[k] for k in ("magnet", "magnet_width", "layer", "layer_width"))
+GUI, SQU, SQUW = (INDEX[k] for k in ("guide", "squeeze", "squeeze_width"))
 SM, SL, SH, SD = (INDEX[k] for k in ("slosh_mass", "slosh_length", "slosh_height", "slosh_damping"))
 
 REST_SPEED = 1e-4  # rad/s after an impact, below which the block may come to rest
@@ -58,8 +59,14 @@ def field(x, c, P):
 
 
 @njit
+def rubbing(s, phi, P):
+    """Dry friction, as an angular acceleration."""
+    return P[HIN] * phi + (P[GUI] if s > 0 else 0.0)
+
+
+@njit
 def own_torque(s, phi, v, z, P, J):
-    """Angular acceleration by everything that is neither weight nor base, but friction in a hinge."""
+    """Angular acceleration by everything that is neither weight nor base, but dry friction."""
     theta = s * phi
     a = -P[VIS] * v - P[QUA] * v * abs(v) - P[CUB] * phi**3
     if theta > P[TP]:
@@ -68,6 +75,8 @@ def own_torque(s, phi, v, z, P, J):
         a -= P[TK] * (phi - P[TM]) / J
     if s > 0:
         a -= P[SVIS] * v
+    if P[SQU] != 0.0:
+        a -= P[SQU] * np.exp(-phi / P[SQUW]) * v
     if P[RIB] != 0.0:
         a += s * P[RIB] * np.sin(2 * np.pi * theta / P[RIBP])
     if P[MAG] != 0.0:
@@ -99,7 +108,7 @@ def acceleration(x, c, s, phi, v, q, qd, turn, P):
     Q = P[M] * (r * D * v * v + fx * Z - fz * D)
     Q += -s * acc * (P[IC] + P[M] * (Z * Z + X * D)) + P[M] * rate * rate * Z * (X - D)
     if P[SM] == 0.0:
-        a = Q / J + own_torque(s, phi, v, q, P, J) - P[HIN] * phi * turn
+        a = Q / J + own_torque(s, phi, v, q, P, J) - rubbing(s, phi, P) * turn
         dq = 0.0
         if P[LAY] != 0.0:
             dq = s * v - abs(v) * q * abs(q) / P[LAYW] ** 2
@@ -208,11 +217,11 @@ def side_that_lifts(x, c, q, qd, P):
 
 @njit
 def direction(x, c, s, phi, v, q, qd, P):
-    """Sense of motion that friction in the hinge works against; 0 where it holds the block."""
-    if v != 0.0 or P[HIN] == 0.0:
+    """Sense of motion that dry friction works against; 0 where it holds the block."""
+    if v != 0.0 or rubbing(s, phi, P) == 0.0:
         return np.sign(v)
     a, _, _ = acceleration(x, c, s, phi, 0.0, q, qd, 0.0, P)
-    return np.sign(a) if abs(a) > P[HIN] * phi else 0.0
+    return np.sign(a) if abs(a) > rubbing(s, phi, P) else 0.0
 
 
 @njit
@@ -272,11 +281,12 @@ def run(C, h, every, theta0, P, out, hits):
                         break
                     continue
             turn = direction(x, c, s, phi, v, q, qd, P)
-            if P[HIN] != 0.0 and turn == 0.0 and phi > 0.0:
+            dry = rubbing(s, phi, P) != 0.0
+            if dry and turn == 0.0 and phi > 0.0:
                 x = h  # held for the rest of the step
                 break
             p1, v1, q1, d1 = rk4(x, left, c, s, phi, v, q, qd, turn, P)
-            if P[HIN] != 0.0 and v != 0.0 and v * v1 < 0.0 and phi > 0.0 and (p1 > 0.0 or v > 0.0):
+            if dry and v != 0.0 and v * v1 < 0.0 and phi > 0.0 and (p1 > 0.0 or v > 0.0):
                 tau = locate(x, left, c, s, phi, v, q, qd, turn, P, 1)
                 p1, v1, q1, d1 = rk4(x, tau, c, s, phi, v, q, qd, turn, P)
                 if p1 > 0.0:

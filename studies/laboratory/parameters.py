@@ -42,6 +42,9 @@ class World:
     # torques that no list has
     cubic: float = 0.0  # 1/(s^2 rad^2), angular acceleration -cubic theta^3
     hinge: float = 0.0  # 1/s^2 per rad of lean: Coulomb friction that grows with the lean
+    guide: float = 0.0  # 1/s^2, Coulomb friction while leaning toward +x alone
+    squeeze: float = 0.0  # 1/s, damping that fades with lean
+    squeeze_width: float = 1.0  # rad
     side_viscous: float = 0.0  # 1/s, while leaning toward +x alone
     rib: float = 0.0  # 1/s^2, amplitude of an angular acceleration periodic in rotation
     rib_period: float = 1.0  # rad

@@ -24,7 +24,8 @@ MU = INDEX["friction"]
 STEP = 2e-4  # s
 AT_ONCE = 1e-6  # share of a step within which friction does not change again
 MOST = 200  # events within a step; 56 is the most that was met, of a block of 4 cm
-FOREIGN = ("hinge", "layer", "slosh_mass")  # effects with a memory or a mass of their own, which these equations lack
+FOREIGN = ("hinge", "guide", "layer", "slosh_mass")
+"""Effects that hold, remember or have a mass of their own, which these equations lack."""
 
 
 @njit

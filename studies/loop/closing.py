@@ -17,7 +17,7 @@ from studies.campaigns import Campaign
 from studies.loop.fitting import Fit
 from studies.loop.keeping import Keeper
 from studies.loop.learned_curves import Curve, curves
-from studies.loop.learning import LEARNED, learn, memories
+from studies.loop.learning import LEARNED, LOSS, learn, memories, profiles
 from studies.loop.model import LoopModel
 from studies.loop.names import readable
 from studies.loop.preparing import Setup, prepare
@@ -43,6 +43,12 @@ from studies.loop.windows import scored_window
 Array = NDArray[np.float64]
 Tell = Callable[[str], None]
 Verdict = Literal["effect", "none", "unexplained"]
+
+LOSSES = frozenset({
+    "velocity_dependent_restitution", "viscous_damping", "quadratic_drag", "rounded_edges", "concave_base",
+    "mass_distribution",
+})  # fmt: skip
+"""Effects on what is lost, or that together with another restitution look like one."""
 
 STANDARD_GRAVITY = 9.81
 """Gravity [m/s^2] where the laboratory does not say its own."""
@@ -173,9 +179,9 @@ def _explained(setup: Setup, plain: Trial, named: Trial, whole: Fit, tell: Tell)
     """
     structured = over_noise(setup, named) > structure(setup)
     if not structured and len(named.parts) < 2:
-        remembering = _remembering(setup, plain, named, tell)
-        if remembering is not None:
-            return remembering, "unexplained"
+        other = _lost_otherwise(setup, plain, named, whole, tell)
+        if other is not None:
+            return other, "unexplained"
         return named, "effect" if named.parts else "none"
     # What is learned of noise is not worth its time: names that leave no more than that stand.
     # Where a block slips, swings do not say by chance; whole records do.
@@ -202,17 +208,26 @@ def _explained(setup: Setup, plain: Trial, named: Trial, whole: Fit, tell: Tell)
     return best, "unexplained"
 
 
-def _remembering(setup: Setup, plain: Trial, named: Trial, tell: Tell) -> Trial | None:
-    """A restitution that remembers impacts, where it explains swings far better than the one effect that was found.
+def _lost_otherwise(setup: Setup, plain: Trial, named: Trial, whole: Fit, tell: Tell) -> Trial | None:
+    """Another law of what is lost, where it explains far more than the one effect that was found.
 
     In free decays speeds and pauses fall together, so that a loss that depends on the one looks much like one that
-    depends on the other, or on the number of the impact.
+    depends on the other, on the number of the impact, or on how near to upright the block is. What swings do not tell
+    apart whole records may, since what is wrong adds up in them.
     """
-    if not named.parts or named.costly or slips(named) or not setup.by_rotation:
+    if not set(named.effects) & LOSSES or named.costly or slips(named) or not setup.by_rotation:
         return None
-    tell("asking whether impacts remember")
-    best = search(setup.simulator, plain, memories(plain.swing.model.declared, plain.swing.windows), tell).best
-    return best if best is not None and bic(best.swing) < bic(named.swing) - PAYS else None
+    tell("asking whether it is lost otherwise")
+    declared, windows = plain.swing.model.declared, plain.swing.windows
+    pool = (*memories(declared, windows), *(c for c in profiles(declared, windows) if c.effect == LOSS))
+    best = search(setup.simulator, plain, pool, tell).best
+    if best is None:
+        return None
+    if bic(best.swing) < bic(named.swing) - PAYS:
+        return best
+    if whole.rms < MISSED or bic(best.swing) > bic(named.swing) + PAYS:
+        return None
+    return best if explains_more(setup, whole_fit(setup, best, whole), whole) else None
 
 
 def _kept(

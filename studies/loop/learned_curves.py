@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocking.effects.learned_curve import EVEN, ODD, curve, numbers
+from rocking.effects.learned_damping import DAMPING
 from studies.loop.learned_in_time import answer, by_parameters, loop, ringing, there_and_back
-from studies.loop.learning import CURVE, HYSTERESIS, MEMORY, MODE, READING, TERM
+from studies.loop.learning import CURVE, HYSTERESIS, LOSS, MEMORY, MODE, READING, TERM
 from studies.loop.model import DRIFT, LoopModel
 from studies.loop.preparing import Setup
 from studies.loop.settling import Settled
@@ -64,6 +65,7 @@ PARTS = {
         {
             "friction": lambda x: x / np.hypot(x, 0.01), "damping": lambda x: x, "side_damping": lambda x: x,
             "drag": lambda x: np.abs(x) * x, "cubic_damping": lambda x: x**3,
+            "side_friction": lambda x: x / np.hypot(x, 0.01), "outward": np.abs,
         },
     ),
     "structural": _Part(
@@ -151,32 +153,34 @@ def _in_time(setup: Setup, settled: Settled, held: Mapping[str, int]) -> list[Cu
 
 
 def _splines(settled: Settled) -> list[_Part]:
-    """Torques against rotation of any shape."""
-    fixed, found = settled.whole.model.effects.get(CURVE, {}), []
-    for kind, names, words in (
-        ("odd", ODD, "alike on both sides"),
-        ("even", EVEN, "with one sign on both sides"),
-    ):
-        if f"{CURVE}.{names[0]}" not in settled.names:
+    """Torques and dampings against rotation of any shape."""
+    torque = "An angular acceleration beyond that of the model without the term, a curve of any shape."
+    kinds = (
+        (CURVE, "odd_", ODD, "Torque against rotation, alike on both sides", torque, TORQUE),
+        (CURVE, "even_", EVEN, "Torque against rotation, with one sign on both sides", torque, TORQUE),
+        (
+            LOSS, "", DAMPING, "Damping against rotation",
+            "An angular acceleration beyond that of the model without the term, for each rad/s; below zero it damps.",
+            "angular acceleration over angular velocity [1/s]",
+        ),
+    )  # fmt: skip
+    found = []
+    for effect, kind, names, label, words, y_label in kinds:
+        if f"{effect}.{names[0]}" not in settled.names:
             continue
-        reach, n = fixed[f"{kind}_reach"], int(fixed[f"{kind}_intervals"])
+        fixed = settled.whole.model.effects[effect]
+        reach, n = fixed[f"{kind}reach"], int(fixed[f"{kind}intervals"])
         functions = {
-            f"{CURVE}.{name}": _spline(kind, numbers(reach, tuple(np.eye(n + 1)[j])))
+            f"{effect}.{name}": _spline(kind, numbers(reach, tuple(np.eye(n + 1)[j])))
             for j, name in enumerate(names[: n + 1])
         }
-        found.append(
-            _Part(
-                f"Torque against rotation, {words}",
-                "An angular acceleration beyond that of the model without the term, a curve of any shape.",
-                "rotation [rad]", TORQUE, functions,
-            )
-        )  # fmt: skip
+        found.append(_Part(label, words, "rotation [rad]", y_label, functions))
     return found
 
 
 def _spline(kind: str, of_it: tuple[float, ...]) -> Callable[[Array], Array]:
     def there(x: Array) -> Array:
-        sign = np.sign(x) if kind == "odd" else 1.0
+        sign = np.sign(x) if kind == "odd_" else 1.0
         return np.asarray(sign * curve(np, np.abs(x), of_it, 0))
 
     return there

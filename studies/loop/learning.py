@@ -1,10 +1,11 @@
 """What no candidate explains: the residual learned as a term, one coefficient after the other.
 
 Each coefficient of `rocking.effects.learned_term`, a drift of restitution from test to test, the curves of
-`rocking.effects.learned_curve`, the restitution with a memory of `rocking.effects.learned_memory`, the bend of the
-sensor of `rocking.effects.learned_reading`, the mass inside of `rocking.effects.learned_mode` and the torque that lags
-of `rocking.effects.learned_hysteresis` are parameters whose default is nothing, fitted with the same machinery as
-the effects.  The greedy search stops when the next one does not lower the residual by `LEAST_GAIN`.
+`rocking.effects.learned_curve` and of `rocking.effects.learned_damping`, the restitution with a memory of
+`rocking.effects.learned_memory`, the bend of the sensor of `rocking.effects.learned_reading`, the mass inside of
+`rocking.effects.learned_mode` and the torque that lags of `rocking.effects.learned_hysteresis` are parameters whose
+default is nothing, fitted with the same machinery as the effects.  The greedy search stops when the next one does not
+lower the residual by `LEAST_GAIN`.
 
 Status   two modes, and two of what swings, yields or remembers at once, are outside of the span.
 """
@@ -18,6 +19,7 @@ import numpy as np
 
 from rocking import G_STANDARD
 from rocking.effects.learned_curve import EVEN, ODD
+from rocking.effects.learned_damping import DAMPING
 from studies.campaigns import DeclaredBlock
 from studies.campaigns.swings import OPEN
 from studies.loop.candidates import Candidate
@@ -38,8 +40,9 @@ MOST_TERMS = 4
 HOPELESS = 1
 """Coefficients after which half of what is to be reached has to be."""
 
-TERM, CURVE, MEMORY, READING, MODE, HYSTERESIS = LEARNED = (
-    "learned_term", "learned_curve", "learned_memory", "learned_reading", "learned_mode", "learned_hysteresis"
+TERM, CURVE, LOSS, MEMORY, READING, MODE, HYSTERESIS = LEARNED = (
+    "learned_term", "learned_curve", "learned_damping", "learned_memory", "learned_reading", "learned_mode",
+    "learned_hysteresis",
 )  # fmt: skip
 """Effects that say how a residual looks and not what it comes from."""
 
@@ -85,6 +88,8 @@ def terms(block: DeclaredBlock) -> tuple[Candidate, ...]:
         "restitution_speed": 0.01 / omega,
         "restitution_square": 0.01 / omega**2,
         "structural": torque / alpha,
+        "side_friction": torque,
+        "outward": torque / omega,
     }
     found = [_term(f"{TERM}.{name}", size) for name, size in sizes.items()]
     return (*found, _term(DRIFT, 0.002))
@@ -108,16 +113,25 @@ def readings(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
 
 
 def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
-    """Torques against rotation of any shape, alike on both sides or not: near upright, or as far as the swings go."""
-    size = 0.02 * block.p() ** 2 * block.alpha
+    """Torques and dampings of any shape against rotation: near upright, or as far as the swings go.
+
+    Torques alike on both sides or not.
+    """
+    p, alpha = block.p(), block.alpha
+    torque = 0.02 * p**2 * alpha
     reach = min(FURTHEST * max(abs(w.theta) for w in windows), 0.5 * math.pi)
     shapes = (("near upright", NEAR_UPRIGHT, 4), ("smooth", 1.0, 4), ("fine", 1.0, 16))
+    kinds = (
+        ("curve alike on both sides", CURVE, "odd_", ODD, torque),
+        ("curve by side", CURVE, "even_", EVEN, torque),
+        ("damping by rotation", LOSS, "", DAMPING, torque / (0.5 * p * alpha)),
+    )
     found = []
-    for kind, names, sides in (("odd", ODD, "alike on both sides"), ("even", EVEN, "by side")):
+    for label, effect, kind, names, size in kinds:
         for shape, share, n in shapes:
-            own = tuple(Parameter(f"{CURVE}.{name}", size, -50.0 * size, 50.0 * size) for name in names[: n + 1])
-            fixed = {f"{CURVE}.{kind}_reach": share * reach, f"{CURVE}.{kind}_intervals": float(n)}
-            found.append(Candidate(f"learned[curve {sides}, {shape}]", CURVE, own, (), fixed))
+            own = tuple(Parameter(f"{effect}.{name}", size, -50.0 * size, 50.0 * size) for name in names[: n + 1])
+            fixed = {f"{effect}.{kind}reach": share * reach, f"{effect}.{kind}intervals": float(n)}
+            found.append(Candidate(f"learned[{label}, {shape}]", effect, own, (), fixed))
     return tuple(found)
 
 

@@ -275,10 +275,8 @@ class _First:
 
 def _on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> _First | str:
     """The best of the fits from all starts after a few steps, or why there is none."""
-    # Friction gives way in few of the windows: some of them may hold none.
-    some_of = SOME_COSTLY if candidate.costly or onto.costly else SOME
-    every = 1 if candidate.slips else max(1, len(onto.swing.windows) // some_of)
-    some = onto.swing.windows[::every]
+    chosen = _chosen(onto, candidate)
+    some = [onto.swing.windows[i] for i in chosen]
     parameters = (*onto.calibrated_with(candidate), *onto.parameters, *candidate.parameters)
     scouts = tuple(p for p in candidate.parameters if p.name in candidate.scouts)
     begun: list[Fit] = []
@@ -311,8 +309,21 @@ def _on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> _First 
     except ValueError as refusal:
         return str(refusal)
     best = min(begun, key=lambda f: f.chi2)
-    before = float(objectives(onto.swing.model, onto.swing.residuals[::every], some, HUBER).sum())
+    before = float(objectives(onto.swing.model, [onto.swing.residuals[i] for i in chosen], some, HUBER).sum())
     return _First(best.model, parameters, before - best.chi2)
+
+
+def _chosen(onto: Trial, candidate: Candidate) -> list[int]:
+    """Windows on which the starts of a candidate are compared: every so many of them.
+
+    Of one that acts in few of them, those of which the trial leaves most beyond noise: no others hold much to explain.
+    """
+    windows = onto.swing.windows
+    some_of = SOME_COSTLY if candidate.costly or onto.costly else SOME
+    if not candidate.slips:
+        return list(range(0, len(windows), max(1, len(windows) // some_of)))
+    left = objectives(onto.swing.model, onto.swing.residuals, windows, HUBER) - [r.size for r in onto.swing.residuals]
+    return sorted(int(i) for i in np.argsort(-left, kind="stable")[:some_of])
 
 
 def _on_all(simulator: Simulator, onto: Trial, candidate: Candidate, first: _First) -> Fit:

@@ -41,6 +41,8 @@ PRESENT: dict[str, dict[str, float]] = {
         "restitution_speed": -0.02,
         "restitution_square": 0.01,
         "structural": -0.3,
+        "side_friction": -0.01,
+        "outward": 0.03,
     },
     "learned_curve": {
         "odd_reach": 0.2,
@@ -49,6 +51,11 @@ PRESENT: dict[str, dict[str, float]] = {
         "even_reach": 0.15,
         "even_intervals": 2.0,
         **{f"even_{j}": value for j, value in enumerate((0.02, -0.03, 0.04))},
+    },
+    "learned_damping": {
+        "reach": 0.1,
+        "intervals": 2.0,
+        **{f"damping_{j}": value for j, value in enumerate((-0.2, 0.1, -0.05))},
     },
     "learned_hysteresis": {"stiffness": 30.0, "width": 0.05, "time": 0.7, "strained": 0.5},
     "learned_memory": {"first": -0.05, "first_impacts": 3.0, "recent": -0.04, "recent_time": 0.3, "least_speed": 0.05},

@@ -15,7 +15,7 @@ F = OMEGA / math.hypot(OMEGA, 0.01)
 TORQUES = {
     "bias": 1.0, "side": SIDE, "spring": THETA, "cubic": THETA**3, "friction": F, "damping": OMEGA,
     "side_damping": SIDE * OMEGA, "drag": OMEGA * abs(OMEGA), "cubic_damping": OMEGA**3, "base": A_X,
-    "structural": abs(THETA) * F,
+    "structural": abs(THETA) * F, "side_friction": SIDE * F, "outward": SIDE * abs(OMEGA),
 }  # fmt: skip
 LOSSES = {"restitution_side": SIDE, "restitution_speed": abs(OMEGA), "restitution_square": OMEGA**2}
 FORM = Form.__new__(Form)  # the coefficients do not depend on the block

@@ -163,9 +163,9 @@ def test_what_is_refused_is_what_an_engine_lacks() -> None:
             except ValueError:
                 names.append(name)
     others = ["compliant_base", "winkler_bed", "sliding", "bouncing"]
-    assert refused["sliding"] == [*others, "hinge_friction", "hysteretic_layer", "slosh"]
+    assert refused["sliding"] == [*others, "hinge_friction", "one_sided_friction", "hysteretic_layer", "slosh"]
     at_impacts = ["velocity_dependent_restitution", "restitution_by_side", "leaking_restitution", "bedding_in"]
-    lacking = ["rounded_edges", "base_adhesion", "hinge_friction", "hysteretic_layer", "slosh"]
+    lacking = ["rounded_edges", "base_adhesion", "hinge_friction", "one_sided_friction", "hysteretic_layer", "slosh"]
     assert sorted(refused["compliant_base"]) == sorted([*others, *at_impacts, *lacking])
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import cumulative_simpson, quad, solve_ivp
 
 from rocking import Method1, solve
 from rocking.effects import load
@@ -49,6 +49,24 @@ def test_energy_is_lost_at_impacts_alone() -> None:
         inside = energy[(response.time > a) & (response.time < b)]
         assert np.ptp(inside) < 1e-10 * energy[0]
         assert inside[0] == pytest.approx(energy[0] * RESTITUTION ** (2 * swing), rel=1e-9)
+
+
+@pytest.mark.parametrize("given", [{"guide": 0.3}, {"squeeze": 2.0, "squeeze_width": 0.02}])
+def test_what_rubs_takes_the_work_that_it_does(given: dict[str, float]) -> None:
+    """Energy between impacts falls by what the torque does along the way; a guide rubs toward +x alone."""
+    response = event.simulate(replace(WORLD, **given), AT_REST, STEP, 1, LEAN)
+    phi, v = np.abs(response.rotation), response.velocity
+    weight, alpha = WORLD.mass * G * math.hypot(WORLD.half_breadth, WORLD.centre_height), WORLD.alpha
+    energy = 0.5 * WORLD.corner_inertia * v**2 + weight * (np.cos(alpha - phi) - math.cos(alpha))
+    impacts = response.impacts[:4, 0]
+    for a, b in zip(np.insert(impacts, 0, 0.0), impacts, strict=False):
+        inside = (response.time > a) & (response.time < b)
+        if "guide" in given:
+            power = given["guide"] * np.abs(v) * (response.rotation > 0.0)
+        else:
+            power = given["squeeze"] * np.exp(-phi / given["squeeze_width"]) * v**2
+        lost = WORLD.corner_inertia * cumulative_simpson(power[inside], x=response.time[inside], initial=0.0)
+        assert energy[inside][0] - energy[inside] == pytest.approx(lost, rel=1e-3, abs=1e-6 * energy[0])
 
 
 @pytest.mark.parametrize("name", SAME)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from rocking.effects.learned_curve import ODD, curve, numbers
+from rocking.effects.learned_damping import DAMPING
 from rocking.remembering import LONG_AGO
 from studies.campaigns import Channel, DeclaredBlock, Test
 from studies.laboratory import event, table
@@ -67,6 +68,27 @@ def test_a_torque_that_is_periodic_in_the_rotation_is_drawn_as_it_was() -> None:
     phi = np.linspace(0.02, 0.24, 100)
     # Of a sine over five intervals a natural spline leaves a few per cent; noise adds some.
     np.testing.assert_allclose(curve(np, phi, own, 0), 0.5 * np.sin(2.0 * np.pi * phi / 0.08), rtol=0.0, atol=0.1)
+
+
+@pytest.mark.slow
+def test_damping_that_fades_with_the_rotation_is_drawn_as_it_was() -> None:
+    """-exp(-phi / 0.02 rad) 1/s: air that is squeezed out of a gap."""
+    found = learned(replace(IDEAL, squeeze=1.0, squeeze_width=0.02))
+    assert found.parts[0].effect == "learned_damping"
+    given = found.swing.model.effects["learned_damping"]
+    n = int(given["intervals"])
+    own = numbers(given["reach"], tuple(given[name] for name in DAMPING[: n + 1]))
+    phi = np.linspace(0.005, 0.05, 20)
+    np.testing.assert_allclose(curve(np, phi, own, 0), -np.exp(-phi / 0.02), rtol=0.0, atol=0.15)
+
+
+@pytest.mark.slow
+def test_friction_on_one_side_is_learned_as_such() -> None:
+    """0.1 rad/s^2 while the block leans to +x: half on both sides, and half with the side's sign."""
+    found = learned(replace(IDEAL, guide=0.1))
+    assert set(found.names) == {"learned[friction]", "learned[side_friction]"}
+    for name in ("friction", "side_friction"):
+        assert found.swing.model.get(f"learned_term.{name}") == pytest.approx(-0.05, rel=0.1)
 
 
 @pytest.mark.slow

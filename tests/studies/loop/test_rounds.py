@@ -385,33 +385,42 @@ def explained_trial(chi2, *effects):
     swing = SimpleNamespace(
         chi2=chi2, parameters=effects, samples=10_000, model=SimpleNamespace(declared=None), windows=()
     )
-    return SimpleNamespace(names=effects, parts=parts, swing=swing, costly=False)
+    return SimpleNamespace(names=effects, effects=effects, parts=parts, swing=swing, costly=False)
 
 
 @pytest.mark.parametrize(
-    ("named", "better", "ends"),
+    ("named", "better", "rms", "ends"),
     [
         # A coefficient may be an effect with a name: a tie is the name's, though the term has a parameter less.
-        (("rounded_edges", "viscous_damping"), 40.0, "effect"),
-        (("rounded_edges", "viscous_damping"), 80.0, "unexplained"),
+        (("rounded_edges", "viscous_damping"), 40.0, 1.0, "effect"),
+        (("rounded_edges", "viscous_damping"), 80.0, 1.0, "unexplained"),
         # Speeds and pauses fall together in a decay: one that explains far more is the better answer.
-        (("velocity_dependent_restitution",), 40.0, "effect"),
-        (("velocity_dependent_restitution",), 250.0, "unexplained"),
+        (("velocity_dependent_restitution",), 40.0, 1.0, "effect"),
+        (("velocity_dependent_restitution",), 250.0, 1.0, "unexplained"),
+        # Swings do not tell them apart, but the name misses whole records, and the other one meets them.
+        (("velocity_dependent_restitution",), 40.0, 3.0, "unexplained"),
+        (("velocity_dependent_restitution",), -40.0, 3.0, "unexplained"),
+        (("velocity_dependent_restitution",), -250.0, 3.0, "effect"),
+        # Not a law of what is lost.
+        (("base_tilt",), 250.0, 3.0, "effect"),
     ],
 )
-def test_what_was_learned_takes_the_place_of_names_where_it_explains_far_more(monkeypatch, named, better, ends):
+def test_what_was_learned_takes_the_place_of_names_where_it_explains_far_more(monkeypatch, named, better, rms, ends):
     plain, found = explained_trial(20_000.0), explained_trial(9_000.0, *named)
     other = explained_trial(9_000.0 - better, "learned_memory")
     monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.0)
     monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
     monkeypatch.setattr(closing, "by_chance", lambda setup, trial: False)
     monkeypatch.setattr(closing, "memories", lambda block, windows: ())
+    monkeypatch.setattr(closing, "profiles", lambda block, windows: ())
+    monkeypatch.setattr(closing, "whole_fit", lambda setup, trial, whole: whole)
+    monkeypatch.setattr(closing, "explains_more", lambda setup, one, other: True)
     monkeypatch.setattr(closing, "search", lambda *_: SimpleNamespace(best=other))
     monkeypatch.setattr(
         closing, "learn", lambda simulator, onto, tell, rival=None, going_on=True: other if onto is plain else onto
     )
     setup = SimpleNamespace(by_rotation=True, simulator=None, records=[])
-    chosen, verdict = closing._explained(setup, plain, found, SimpleNamespace(rms=1.0), lambda text: None)
+    chosen, verdict = closing._explained(setup, plain, found, SimpleNamespace(rms=rms), lambda text: None)
     assert verdict == ends
     assert chosen is (found if ends == "effect" else other)
 
