@@ -26,7 +26,7 @@ from studies.loop.candidates import Candidate
 from studies.loop.model import DRIFT
 from studies.loop.parameters import Parameter
 from studies.loop.simulation import Simulator
-from studies.loop.tracing import Trial, pays, search
+from studies.loop.tracing import Trial, bic, pays, search
 from studies.loop.windows import SIDE, Window
 
 LEAST_GAIN = 0.03
@@ -36,6 +36,9 @@ LEAST_LEFT = 0.98
 """Rms of the swings over what pure noise leaves of them that no term brings them below: two standard deviations."""
 
 MOST_TERMS = 4
+
+FEW = 2
+"""Coefficients and curves that are the better answer where they leave no more than noise, whatever else would."""
 
 HOPELESS = 1
 """Coefficients after which half of what is to be reached has to be."""
@@ -212,28 +215,55 @@ def learn(
     """The trial with the coefficients that pay; itself if none does.
 
     rival: what has to be reached; the search ends early where it plainly is not.
-    going_on: whether forms with states that go on from swing to swing are tried too; their runs take long.
+    going_on: whether forms with states that go on from swing to swing are tried too, where `FEW` without leave more
+        than noise; their runs take long.
     """
-    current = onto
-    declared = onto.swing.model.declared
-    swings = onto.swing
-    noise = math.sqrt(max(1.0 - (2 * len(swings.windows) + len(swings.parameters)) / max(swings.samples, 1), 0.0))
-    pool = (
+    declared, released = onto.swing.model.declared, any(test.kind == "free" for test in simulator.tests)
+    at_hand = (
         *terms(declared),
         *(c for form in (readings, profiles, memories) for c in form(declared, onto.swing.windows)),
-        *(inner(declared, any(test.kind == "free" for test in simulator.tests)) if going_on else ()),
     )
-    for count in range(MOST_TERMS):
+    known: dict[tuple[str, ...], Trial | None] = {}
+    found = _grown(simulator, onto, [(at_hand, known)], tell, rival, FEW if going_on else MOST_TERMS)
+    if not going_on or not _more_to_learn(found):
+        return found
+    return _grown(simulator, onto, [(at_hand, known), (inner(declared, released), {})], tell, rival, MOST_TERMS)
+
+
+def _grown(
+    simulator: Simulator,
+    onto: Trial,
+    pools: Sequence[tuple[Sequence[Candidate], dict[tuple[str, ...], Trial | None]]],
+    tell: Callable[[str], None],
+    rival: Trial | None,
+    most: int,
+) -> Trial:
+    """The trial with the best of the pools added to it, one after the other, as long as they pay.
+
+    pools: each with what was the best of it on top of trials with such names; more is noted there.
+    """
+    current = onto
+    for count in range(most):
         gained = onto.swing.chi2 - current.swing.chi2
         if rival is not None and count >= HOPELESS and gained < 0.5 * (onto.swing.chi2 - rival.swing.chi2):
             break
-        if current.swing.rms * (1.0 - LEAST_GAIN) < LEAST_LEFT * noise:
+        if not _more_to_learn(current):
             break
-        tried = search(simulator, current, open_to(current, pool), tell, repeated=True)
-        best = tried.best
+        for pool, known in pools:
+            if current.names not in known:
+                known[current.names] = search(simulator, current, open_to(current, pool), tell, repeated=True).best
+        bests = [known[current.names] for _, known in pools]
+        best = min((t for t in bests if t is not None), key=lambda t: bic(t.swing), default=None)
         if best is None or not pays(current.swing, best.swing):
             break
         if best.swing.rms > (1.0 - LEAST_GAIN) * current.swing.rms or not np.isfinite(best.swing.rms):
             break
         current = best
     return current
+
+
+def _more_to_learn(trial: Trial) -> bool:
+    """Whether a term that lowers the rms of the swings enough would not bring it below that of noise."""
+    swings = trial.swing
+    noise = math.sqrt(max(1.0 - (2 * len(swings.windows) + len(swings.parameters)) / max(swings.samples, 1), 0.0))
+    return swings.rms * (1.0 - LEAST_GAIN) >= LEAST_LEFT * noise
