@@ -8,7 +8,7 @@ Status   planted effects that swings only hint at are traced (studies/loop_trial
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -258,6 +258,9 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round, hint: float = HI
         if not begun:
             continue
         nearest, states = min(begun, key=lambda f: f.chi2), list(windows)
+        # Runs on floors that give take long: none further where the records that are missed most gain nothing.
+        if trial.costly and not _lowers(nearest, _only(without, telling)):
+            continue
         for i, window in zip(telling, nearest.windows, strict=True):
             states[i] = window
         own = fit_records(
@@ -269,6 +272,20 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round, hint: float = HI
         if _explains(own, without) or gain(setup, whole, rival.whole) > LEAST_OF_A_SCAN:
             found.append(rival)
     return tuple(sorted(found, key=lambda r: r.criterion))
+
+
+def _only(found: Fit, records: Iterable[int]) -> Fit:
+    """What a fit says of some of the records."""
+    kept = [*records]
+    return replace(
+        found, windows=tuple(found.windows[i] for i in kept), residuals=tuple(found.residuals[i] for i in kept)
+    )
+
+
+def _lowers(own: Fit, without: Fit) -> bool:
+    """Whether an effect lowers what is left of records at all."""
+    with_it, plain, _ = where_told(own, without)
+    return with_it < plain
 
 
 def _explains(own: Fit, without: Fit) -> bool:
