@@ -42,6 +42,7 @@ class Candidate:
     scouts: tuple[str, ...] = ()  # parameters fitted from each start, the others from the best few alone; all if empty
     screened: int = 0  # so many starts are fitted, those that explain most as they are; all if 0
     after: str = ""  # a form that is tried before; where that promises nothing, this one is left out
+    beyond: tuple[str, float] | None = None  # parameter of another effect, and the value up to which that is the name
 
     def nothing(self, block: DeclaredBlock) -> dict[str, float]:
         """Its own parameters at their absent values: what adds nothing where the effect is there in another form."""
@@ -97,13 +98,22 @@ def _of_the_block(block: DeclaredBlock) -> tuple[Candidate, ...]:
     )  # fmt: skip
 
 
+FLOORS = 5
+"""Floors that give from which a fit begins: those that explain most of some swings as they are."""
+
+SOFTEST = 125.0
+"""Frequency of a corner on its spring [Hz] below which it is said to give, and from which it is said to bounce."""
+
+
 def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
     weight = block.mass * G_STANDARD
     moment = 0.5 * weight * block.breadth
     # Corners pressed in by 2e-3 to 4e-5 of the breadth under the weight, beyond which a floor is all but rigid and runs
     # take longest, and all but held in place along the floor.  The sum of squares has minima in the stiffness less than
     # a factor of two apart.
-    soft = [float(weight / (sink * block.breadth)) for sink in np.geomspace(2e-3, 4e-5, 11)]
+    soft = [float(weight / (sink * block.breadth)) for sink in np.geomspace(8e-3, 4e-5, 15)]
+    felt = block.mass / (1.0 + 0.25 * block.breadth**2 * block.mass / block.I_c)  # of the block at a corner
+    hard = felt * (2.0 * math.pi * SOFTEST) ** 2
     floors = tuple(
         Candidate(
             label, "compliant_base",
@@ -115,7 +125,7 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
             tuple({"compliant_base.corner_stiffness": k, "compliant_base.damping_ratio": 0.12,
                    "compliant_base.tangential_ratio": 20.0} for k in soft),
             {"compliant_base.spread": spread}, smooth=False, replaces_restitution=True, costly=True,
-            scouts=("compliant_base.damping_ratio",),
+            scouts=("compliant_base.damping_ratio",), screened=FLOORS,
         )
         for label, spread in (("compliant_base", 0.0), ("compliant_base[bed]", 1.0))
     )  # fmt: skip
@@ -145,18 +155,18 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
             {"bouncing.friction": math.inf, "bouncing.contact_frequency": math.inf}, smooth=False, slips=True,
             replaces_restitution=True, scanned=tuple({"bouncing.normal_restitution": 0.05 * k} for k in range(1, 19)),
         ),
-        # A corner that bounces while the other one is still in contact. Below 125 Hz the floor is called compliant; far
-        # beyond 600 Hz the runs take too long. The sum of squares has minima beside each other in the frequency.
+        # A corner that bounces while the other one is still in contact. Below `SOFTEST` the floor is called compliant;
+        # far beyond 600 Hz the runs take too long. The sum of squares has minima beside each other in the frequency.
         Candidate(
             "bouncing[contact]", "bouncing",
             (
                 Parameter("bouncing.normal_restitution", 0.05, 1e-3, 0.98, coarser=UNEVEN),
-                Parameter("bouncing.contact_frequency", 0.2, 125.0, 600.0, True, UNEVEN),
+                Parameter("bouncing.contact_frequency", 0.2, SOFTEST, 600.0, True, UNEVEN),
             ),
             tuple({"bouncing.normal_restitution": e, "bouncing.contact_frequency": f}
                   for f in (200.0, 350.0, 550.0) for e in (0.3, 0.45, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9)),
             {"bouncing.friction": math.inf}, smooth=False, replaces_restitution=True, costly=True,
-            scouts=("bouncing.normal_restitution",),
+            scouts=("bouncing.normal_restitution",), beyond=("compliant_base.corner_stiffness", hard),
         ),
         Candidate(
             "base_adhesion", "base_adhesion", (Parameter("base_adhesion.moment", 0.02 * moment, 0.0, 2.0 * moment),),

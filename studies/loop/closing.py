@@ -17,7 +17,7 @@ from studies.campaigns import Campaign
 from studies.loop.fitting import Fit
 from studies.loop.keeping import Keeper
 from studies.loop.learned_curves import Curve, curves
-from studies.loop.learning import LEARNED, LOSS, learn, memories, profiles
+from studies.loop.learning import LEARNED, LOSS, WITH_A_NAME, learn, memories, profiles, terms
 from studies.loop.model import LoopModel
 from studies.loop.names import readable
 from studies.loop.preparing import Setup, prepare
@@ -37,7 +37,7 @@ from studies.loop.tracing import (
     bic,
     search,
 )
-from studies.loop.whole_records import MISSED, explains_more
+from studies.loop.whole_records import MISSED, explains_more, hinted
 from studies.loop.windows import scored_window
 
 Array = NDArray[np.float64]
@@ -130,7 +130,7 @@ def close(
         named, rivals = _compared(setup, plain, named, rounds, tell)
     stands, whole = (rivals[0].trial, rivals[0].whole) if rivals else (named.trial, named.whole)
     before = settle(setup, plain, path.fits[0])
-    chosen, verdict, after, unlearned = _kept(setup, plain, before, stands, whole, tell)
+    chosen, verdict, after, unlearned = _kept(setup, plain, path.fits[0], before, stands, whole, tell)
     if chosen is not stands:
         rivals = ()
     verdict, said = _of_whole_records(setup, chosen, verdict, whole, path.decided)
@@ -172,16 +172,20 @@ def _compared(
         named = shorter
 
 
-def _explained(setup: Setup, plain: Trial, named: Trial, whole: Fit, tell: Tell) -> tuple[Trial, Verdict]:
+def _explained(
+    setup: Setup, plain: Trial, bare: Fit, named: Trial, whole: Fit, tell: Tell
+) -> tuple[Trial, Verdict]:  # fmt: skip
     """The trial to keep: the named effects if they leave nothing, else with what was learned of the rest.
 
-    whole: the fit on whole records of the named effects.
+    bare: the fit on whole records of the calibrated block.
+    whole: that of the named effects.
     """
     structured = over_noise(setup, named) > structure(setup)
-    if not structured and len(named.parts) < 2:
-        other = _lost_otherwise(setup, plain, named, whole, tell)
+    if not structured:
+        other = _lost_otherwise(setup, plain, bare, named, whole, tell)
         if other is not None:
             return other, "unexplained"
+    if not structured and len(named.parts) < 2:
         return named, "effect" if named.parts else "none"
     # What is learned of noise is not worth its time: names that leave no more than that stand.
     # Where a block slips, swings do not say by chance; whole records do.
@@ -208,37 +212,51 @@ def _explained(setup: Setup, plain: Trial, named: Trial, whole: Fit, tell: Tell)
     return best, "unexplained"
 
 
-def _lost_otherwise(setup: Setup, plain: Trial, named: Trial, whole: Fit, tell: Tell) -> Trial | None:
-    """Another law of what is lost, where it explains far more than the one effect that was found.
+def _lost_otherwise(
+    setup: Setup, plain: Trial, bare: Fit, named: Trial, whole: Fit, tell: Tell
+) -> Trial | None:  # fmt: skip
+    """Another law of what is lost, where it explains far more than what was found.
 
     In free decays speeds and pauses fall together, so that a loss that depends on the one looks much like one that
-    depends on the other, on the number of the impact, or on how near to upright the block is. What swings do not tell
-    apart whole records may, since what is wrong adds up in them.
+    depends on the other, on the number of the impact, on the side, or on how near to upright the block is.  What swings
+    do not tell apart whole records may, since what is wrong adds up in them.
     """
     if not set(named.effects) & LOSSES or named.costly or slips(named) or not setup.by_rotation:
         return None
+    met = whole.rms < MISSED
+    if met and len(named.parts) > 1:
+        return None
     tell("asking whether it is lost otherwise")
     declared, windows = plain.swing.model.declared, plain.swing.windows
-    pool = (*memories(declared, windows), *(c for c in profiles(declared, windows) if c.effect == LOSS))
-    best = search(setup.simulator, plain, pool, tell).best
-    if best is None:
+    laws = (*memories(declared, windows), *(c for c in profiles(declared, windows) if c.effect == LOSS))
+    by_law = search(setup.simulator, plain, laws, tell)
+    best = by_law.best
+    if len(named.parts) < 2 and best is not None:
+        if bic(best.swing) < bic(named.swing) - PAYS:
+            return best
+        if not met and bic(best.swing) < bic(named.swing) + PAYS:
+            there = whole_fit(setup, best, whole)
+            if explains_more(setup, there, whole):
+                return best
+    if met:
         return None
-    if bic(best.swing) < bic(named.swing) - PAYS:
-        return best
-    if whole.rms < MISSED or bic(best.swing) > bic(named.swing) + PAYS:
-        return None
-    return best if explains_more(setup, whole_fit(setup, best, whole), whole) else None
+    # The names themselves have been asked.
+    others = [c for c in terms(declared) if not WITH_A_NAME & {p.name for p in c.parameters} or len(c.parameters) > 1]
+    by_term = search(setup.simulator, plain, others, tell)
+    found = hinted(setup, plain, bare, replace(by_law, trials=[*by_law.trials, *by_term.trials]))
+    return next((r.trial for r in found[:1] if explains_more(setup, r.whole, whole)), None)
 
 
 def _kept(
-    setup: Setup, plain: Trial, before: Settled, stands: Trial, whole: Fit, tell: Tell
+    setup: Setup, plain: Trial, bare: Fit, before: Settled, stands: Trial, whole: Fit, tell: Tell
 ) -> tuple[Trial, Verdict, Settled, tuple[str, ...]]:
     """The trial to keep with its verdict, its parameters, and what is to be said of what was not kept.
 
+    bare: the fit on whole records of the calibrated block.
     before: the calibrated block, settled.
     whole: the fit on whole records of the effects that stand.
     """
-    chosen, verdict = _explained(setup, plain, stands, whole, tell)
+    chosen, verdict = _explained(setup, plain, bare, stands, whole, tell)
     by_name = settle(setup, stands, whole) if stands.parts else before
     if chosen is stands:
         return stands, verdict, by_name, ()

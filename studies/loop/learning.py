@@ -49,6 +49,9 @@ TERM, CURVE, LOSS, MEMORY, READING, MODE, HYSTERESIS = LEARNED = (
 )  # fmt: skip
 """Effects that say how a residual looks and not what it comes from."""
 
+WITH_A_NAME = frozenset(f"{TERM}.{name}" for name in ("bias", "damping", "drag", "base", "restitution_speed"))
+"""Coefficients that are effects with a name."""
+
 FREEDOMS = (MEMORY, MODE, HYSTERESIS)
 """Those of them with states of their own, of which a block has one set."""
 
@@ -94,8 +97,15 @@ def terms(block: DeclaredBlock) -> tuple[Candidate, ...]:
         "side_friction": torque,
         "outward": torque / omega,
     }
-    found = [_term(f"{TERM}.{name}", size) for name, size in sizes.items()]
-    return (*found, _term(DRIFT, 0.002))
+    found = {name: _term(f"{TERM}.{name}", size) for name, size in sizes.items()}
+    # What rubs or drags on one side alone is half of each of two coefficients, neither of which tells much by itself.
+    by_side = (
+        Candidate(
+            f"learned[{name} by side]", TERM, (*found[name].parameters, *found[f"side_{name}"].parameters), (), {}
+        )
+        for name in ("friction", "damping")
+    )
+    return (*found.values(), *by_side, _term(DRIFT, 0.002))
 
 
 def _term(full: str, size: float) -> Candidate:

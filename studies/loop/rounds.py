@@ -5,8 +5,8 @@ Status   rounds with stubs for fits (tests); `studies.loop.searching` says where
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
 
 from studies.loop.candidates import Candidate
 from studies.loop.fitting import Fit
@@ -14,7 +14,7 @@ from studies.loop.preparing import Setup
 from studies.loop.remaining import MISSED_BY_FAR, by_chance, explains, over_noise, slips, structure
 from studies.loop.rivals import Rival
 from studies.loop.settling import gain, reweighed, telling, whole_fit
-from studies.loop.tracing import LEAST_GAIN, PAYS, Round, Trial, pays, search, search_costly
+from studies.loop.tracing import FAR_LESS, LEAST_GAIN, PAYS, Round, Trial, pays, search, search_costly
 from studies.loop.whole_records import HINT, asked, explains_more, merged, ranked
 
 Tell = Callable[[str], None]
@@ -72,7 +72,10 @@ def followed(
             break
         tell(f"tracing, round {depth + 1}")
         known = next((r for r in begun if same(r.onto, path[-1])), None)
-        tried, accepted, confirmed = _round(setup, path[-1], fits[-1], pool, tell, known, later)
+        hopeless = {name for r in rounds for name, why in r.skipped.items() if why == FAR_LESS}
+        left, known = _without(hopeless, pool, known)
+        tried, accepted, confirmed = _round(setup, path[-1], fits[-1], left, tell, known, later)
+        tried.skipped |= dict.fromkeys(hopeless, FAR_LESS)
         rounds.append(tried)
         if accepted is None:
             break
@@ -82,6 +85,20 @@ def followed(
         if confirmed:
             decided.add(accepted[0].names[-1])
     return Path(path, rounds, fits, rivals, frozenset(decided))
+
+
+def _without(
+    hopeless: Collection[str], pool: Sequence[Candidate], known: Round | None
+) -> tuple[Sequence[Candidate], Round | None]:
+    """Candidates, and a round that put some of them off, without those of which an earlier round found far too little.
+
+    A floor that gives is no small effect: what it explains by itself is not nothing beside what others do.
+    """
+    if known is not None:
+        gone = {c.name: FAR_LESS for c in known.put_off if c.name in hopeless}
+        put_off = tuple(c for c in known.put_off if c.name not in hopeless)
+        known = replace(known, put_off=put_off, skipped=known.skipped | gone)
+    return [c for c in pool if c.name not in hopeless], known
 
 
 def same(one: Trial, other: Trial) -> bool:
@@ -105,7 +122,7 @@ def _round(
 
     tried = search(setup.simulator, onto, pool, tell, explained=explained, later=later) if known is None else known
     if known is not None and not any(map(explained, (onto, *known.trials))):
-        search_costly(setup.simulator, tried, tell)
+        search_costly(setup.simulator, tried, tell, explained)
     accepted, confirmed = _accepted(setup, onto, whole, tried, pool, tell)
     if later or not tried.put_off:
         return tried, accepted, confirmed
@@ -114,7 +131,7 @@ def _round(
     stands, its_whole = (onto, whole) if accepted is None else accepted
     if explains(setup, stands, its_whole):
         return tried, accepted, confirmed
-    floors = Round(onto, search_costly(setup.simulator, tried, tell))
+    floors = Round(onto, search_costly(setup.simulator, tried, tell, explained))
     found, decided = _accepted(setup, onto, whole, floors, (), tell, hint=-PAYS)
     there = {t.names for t in tried.trials}
     tried.trials += [t for t in floors.trials if t.names not in there]

@@ -44,6 +44,12 @@ NEARLY, MENDED = 2.0, 3.0
 """A record that is lost in two fits still tells them apart where the smaller rms is so little over what counts as lost,
 and the larger one so many times that."""
 
+HORIZONS = (0.15, 0.4)
+"""Shares of whole records that are fitted before all of them, where a run takes long and few starts can be tried."""
+
+ROUGHLY = 0.5
+"""Share of what swings on a floor that gives leave beyond noise by which another fit of them may be worse."""
+
 FEWEST_SAMPLES = 20
 """Of a part of a record that says something [1]."""
 
@@ -59,10 +65,35 @@ def whole_fit(setup: Setup, trial: Trial, weights_of: Fit | None = None) -> Fit:
     else:
         windows = [replace(w, sd=o.sd) for w, o in zip(setup.whole, weights_of.windows, strict=True)]
     leans = fit_records(setup.simulator, model, [], windows, iterations=4)
-    full = fit_records(setup.simulator, model, trial.every, leans.windows, iterations=8, again=not trial.costly)
+    full = _drawn_out(setup, trial, leans) if trial.costly else _all_at_once(setup, trial, leans, 8)
     if full.chi2 >= leans.chi2 or not _still_fits(setup, trial, full.model):
         return leans
     return full
+
+
+def _all_at_once(setup: Setup, trial: Trial, leans: Fit, iterations: int) -> Fit:
+    """The trial fitted to whole records, from where their leans are fitted."""
+    return fit_records(
+        setup.simulator, leans.model, trial.every, leans.windows, iterations=iterations, again=not trial.costly
+    )
+
+
+def _drawn_out(setup: Setup, trial: Trial, leans: Fit) -> Fit:
+    """The same, the beginnings of the records first: what is wrong adds up, and further on minima lie close together.
+
+    Source, of the minima: Voss, Timmer & Kurths (2004), Int. J. Bifurcation Chaos 14, 1905-1933.
+    """
+    found, windows = leans, list(leans.windows)
+    for share in HORIZONS:
+        begun = [w.until(float(w.times[0] + share * (w.times[-1] - w.times[0]))) for w in windows]
+        kept = [i for i, w in enumerate(begun) if w.data.size >= FEWEST_SAMPLES]
+        if not kept:
+            continue
+        first = fit_records(setup.simulator, found.model, [], [begun[i] for i in kept], iterations=4)
+        found = _all_at_once(setup, trial, first, 8)
+        for i, window in zip(kept, found.windows, strict=True):
+            windows[i] = windows[i].moved(window.theta, window.omega)
+    return _all_at_once(setup, trial, fit_records(setup.simulator, found.model, [], windows, iterations=4), 8)
 
 
 def weighed_under(setup: Setup, model: LoopModel, windows: Sequence[Window]) -> list[Window]:
@@ -94,7 +125,11 @@ def whole_fit_from_many(setup: Setup, trial: Trial, weights_of: Fit, effects: Co
 def _still_fits(setup: Setup, trial: Trial, model: LoopModel) -> bool:
     """Whether parameters from whole records serve the swings too: else that fit is stuck elsewhere."""
     there = fit(setup.simulator, model, [], trial.swing.windows, iterations=3)
-    return there.chi2 - trial.swing.chi2 < 30.0 + 0.01 * trial.swing.chi2
+    least = 30.0 + 0.01 * trial.swing.chi2
+    if trial.costly:
+        # How a floor gave before a swing began is known but roughly: where that leaves something, it has little say.
+        least += ROUGHLY * max(trial.swing.chi2 - trial.swing.samples, 0.0)
+    return there.chi2 - trial.swing.chi2 < least
 
 
 @dataclass(frozen=True)
@@ -239,6 +274,9 @@ def _while_predictable(setup: Setup, trial: Trial, whole: Fit) -> list[Fit]:
         about = [model for part in named for model in neighbours(trial.swing, sure, part.parameters[0], NEIGHBOURS)]
     for model in (whole.model, trial.swing.model, *about):
         leans = fit_records(setup.simulator, model, [], windows, iterations=4)
+        if trial.costly and model is trial.swing.model:
+            fits.append(_drawn_out(setup, trial, leans))
+            continue
         fits.append(fit(setup.simulator, model, trial.every, leans.windows, whole=True, iterations=4, central=True))
     fits.sort(key=lambda f: f.chi2)
     best = [

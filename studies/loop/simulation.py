@@ -34,8 +34,14 @@ Array = NDArray[np.float64]
 
 RTOL, ATOL = 1e-8, 1e-11
 
+MOST_EVENTS = 10_000
+"""Of a run, after which it has failed: models that gain from their impacts rattle without end, and take seconds."""
+
 HISTORY = 6
 """Peaks before a window over which slip is carried: it is forgotten once the corner sticks."""
+
+FORGOTTEN = 4.0
+"""Times in which a motion dies away by e after which it is forgotten: 2 % are left."""
 
 WITHIN = (BlockWithInnerMass, HystereticBlock)
 """Blocks with states of their own that a whole record may not forget."""
@@ -213,7 +219,7 @@ class Simulator:
 
         A block that slips forgets how fast it did: it is run from peak to peak of the record, each time from the
         rotation that was measured there, and what the run says of the rest is carried over.  One that bounces on a
-        soft floor forgets sooner: from one peak to the next.  What swings inside of a block or yields beside it is
+        soft floor forgets the sooner, the more is lost in it.  What swings inside of a block or yields beside it is
         carried from the start of the record on.
         """
         legs: dict[_Leg, tuple[Peak, _Leg | None]] = {}
@@ -245,8 +251,10 @@ class Simulator:
             # What a shaken block carries has been shaken since the start of the record.
             if self.tests[job.test].kind != "free" and job.start > first:
                 history = (Peak(first, float(model.reading(0.0)), 0.0), *history)
+        elif isinstance(system, BlockOnSoftFloor):
+            history = _not_forgotten(system, history, job.start)
         else:
-            history = history[max(len(history) - _peaks_remembered(system), 0) :]
+            history = history[-HISTORY:] if isinstance(system, Method2 | ComposedMethod2) else ()
         if not history:
             return None
         stops = [*(peak.time for peak in history[1:]), job.start]
@@ -304,7 +312,7 @@ class Simulator:
         first = systems[own_systems[0]]
         found = run_windows(
             [systems[m] for m in own_systems], [m for _, m in own_motions.values()], starts,
-            [jobs[i].times for i in members], rtol=RTOL, atol=ATOL,
+            [jobs[i].times for i in members], rtol=RTOL, atol=ATOL, max_events=MOST_EVENTS,
         )  # fmt: skip
         column = first.state_names.index("theta")
         answers, at = [], 0
@@ -320,11 +328,14 @@ class Simulator:
         return answers
 
 
-def _peaks_remembered(system: Any) -> int:
-    """Over how many peaks what a rotation does not show is carried; 0 for a block that has nothing besides."""
-    if isinstance(system, Method2 | ComposedMethod2):
-        return HISTORY
-    return 1 if isinstance(system, BlockOnSoftFloor) else 0
+def _not_forgotten(system: BlockOnSoftFloor, history: tuple[Peak, ...], start: float) -> tuple[Peak, ...]:
+    """The last peaks since which a block that bounces on its floor has not forgotten how it did; one at the least."""
+    # A foot that carries it all sinks and rises again, and this dies away as exp(-c t / 2 m).
+    memory = FORGOTTEN * 2.0 / max(system.parameters.c, 1e-9)
+    since = [k for k, peak in enumerate(history) if peak.time > start - memory]
+    # The run begins at the last peak before that time.
+    first = max(since[0] - 1, 0) if since else len(history) - 1
+    return history[max(first, len(history) - HISTORY, 0) :]
 
 
 def _beside_rotation(system: Any, answer: Answer) -> dict[str, Any]:

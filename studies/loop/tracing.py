@@ -54,6 +54,13 @@ SCOUTED = 2
 NOTHING = 0.05
 """A gain on some of the windows below this share of `PAYS` promises nothing."""
 
+UNPROMISING = 0.1
+"""A candidate whose runs take long goes no further if it explains less than this share of what others explain of some
+swings."""
+
+NOTHING_LEFT = "nothing over the noise; runs take long"
+FAR_LESS = "far less of some swings is explained than by others; runs take long"
+
 HOPEFUL = 0.3
 """A candidate is fitted to the end if it leaves no more than this share of the best one's gain."""
 
@@ -206,22 +213,41 @@ def search(
     elif later:
         by = "effects that were found after this round leave"
     else:
-        search_costly(simulator, found, tell)
+        search_costly(simulator, found, tell, explained)
         return found
-    found.skipped |= {c.name: f"{by} nothing over the noise; runs take long" for c in found.put_off}
+    found.skipped |= {c.name: f"{by} {NOTHING_LEFT}" for c in found.put_off}
     return found
 
 
 def search_costly(
-    simulator: Simulator, found: Round, tell: Callable[[str], None] = lambda text: None
+    simulator: Simulator, found: Round, tell: Callable[[str], None] = lambda text: None,
+    explained: Callable[[Trial], bool] = lambda trial: False,
 ) -> list[Trial]:  # fmt: skip
-    """Add to a round the candidates that it put off; the trials of these."""
+    """Add to a round the candidates that it put off; the trials of these.
+
+    explained: whether a trial leaves nothing over its noise; what is beyond the effect in it is then not tried.
+    """
     candidates, found.put_off = found.put_off, ()
     for c in candidates:
         found.skipped.pop(c.name, None)
     before = len(found.trials)
-    _fitted(simulator, candidates, found, tell)
+    _fitted(simulator, [c for c in candidates if c.beyond is None], found, tell)
+    further = []
+    for c in candidates:
+        if c.beyond is None:
+            continue
+        known = next((t for t in found.trials[before:] if _on_this_side(t, *c.beyond) and explained(t)), None)
+        if known is None:
+            further.append(c)
+        else:
+            found.skipped[c.name] = f"the fit of {found.added(known).name} leaves {NOTHING_LEFT}"
+    _fitted(simulator, further, found, tell)
     return found.trials[before:]
+
+
+def _on_this_side(trial: Trial, parameter: str, most: float) -> bool:
+    """Whether a trial has a parameter, at no more than so much."""
+    return any(p.name == parameter for p in trial.parameters) and trial.swing.model.get(parameter) <= most
 
 
 def _fitted(simulator: Simulator, candidates: Sequence[Candidate], found: Round, tell: Callable[[str], None]) -> None:
@@ -238,6 +264,7 @@ def _fitted(simulator: Simulator, candidates: Sequence[Candidate], found: Round,
             found.skipped[candidate.name] = first
         else:
             firsts.append((candidate, first))
+    firsts = _promising(onto, firsts, found)
     if onto.costly:
         firsts.sort(key=lambda pair: -pair[1].gained)
         for candidate, _ in firsts[MOST_COSTLY:]:
@@ -246,6 +273,28 @@ def _fitted(simulator: Simulator, candidates: Sequence[Candidate], found: Round,
     begun = [(candidate, _on_all(simulator, onto, candidate, first)) for candidate, first in firsts]
     ended = _ended(simulator, onto, begun, tell, min((t.swing.chi2 for t in found.trials), default=math.inf))
     found.trials += [onto.with_(c, swing, found.scores.get(c.name, math.nan)) for c, swing in ended]
+
+
+def _promising(onto: Trial, firsts: Sequence[tuple[Candidate, _First]], found: Round) -> list[tuple[Candidate, _First]]:
+    """Those of them that may explain as much as others, of which the round holds some; it is told of the rest."""
+    if onto.costly or not any(c.costly for c, _ in firsts):
+        return list(firsts)
+    chosen = _chosen(onto, next(c for c, _ in firsts if c.costly))
+    before, *there = (_of_some(t.swing, chosen) for t in (onto, *found.trials))
+    least = UNPROMISING * max(0.0, *(before - left for left in there), *(f.gained for c, f in firsts if c.costly))
+    kept = []
+    for candidate, first in firsts:
+        if candidate.costly and first.gained < least:
+            found.skipped[candidate.name] = FAR_LESS
+        else:
+            kept.append((candidate, first))
+    return kept
+
+
+def _of_some(found: Fit, chosen: Sequence[int]) -> float:
+    """Chi-square of some windows, less for those far off."""
+    some = [found.windows[i] for i in chosen]
+    return float(objectives(found.model, [found.residuals[i] for i in chosen], some, HUBER).sum())
 
 
 def _scores(simulator: Simulator, onto: Trial, smooth: Sequence[Candidate]) -> dict[str, float]:
@@ -309,8 +358,7 @@ def _on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> _First 
     except ValueError as refusal:
         return str(refusal)
     best = min(begun, key=lambda f: f.chi2)
-    before = float(objectives(onto.swing.model, [onto.swing.residuals[i] for i in chosen], some, HUBER).sum())
-    return _First(best.model, parameters, before - best.chi2)
+    return _First(best.model, parameters, _of_some(onto.swing, chosen) - best.chi2)
 
 
 def _chosen(onto: Trial, candidate: Candidate) -> list[int]:
