@@ -17,12 +17,12 @@ from studies.campaigns import Campaign
 from studies.loop.fitting import Fit
 from studies.loop.keeping import Keeper
 from studies.loop.learned_curves import Curve, curves
-from studies.loop.learning import LEARNED, LOSS, WITH_A_NAME, learn, memories, profiles, terms
+from studies.loop.learning import FREEDOMS, LEARNED, LOSS, WITH_A_NAME, alike, learn, memories, profiles, terms
 from studies.loop.model import LoopModel
 from studies.loop.names import readable
 from studies.loop.preparing import Setup, prepare
 from studies.loop.remaining import MISSED_BY_FAR, by_chance, missed, over_noise, slips, structure, unexplained
-from studies.loop.revising import Revision, revised, without_needless
+from studies.loop.revising import Revision, revised, taken_out, without_needless
 from studies.loop.rivals import Rival, near_all, other_forms, standing, twins, twins_from_many
 from studies.loop.rounds import Path
 from studies.loop.scoring import Errors, errors, leaning, median
@@ -260,7 +260,8 @@ def _kept(
     by_name = settle(setup, stands, whole) if stands.parts else before
     if chosen is stands:
         return stands, verdict, by_name, ()
-    learned = settle(setup, chosen, whole_fit(setup, chosen))
+    chosen, its_whole = _shaped(setup, plain, chosen, tell)
+    learned = settle(setup, chosen, its_whole)
     if _carries(setup, by_name, learned):
         return chosen, verdict, learned, ()
     said = (
@@ -270,6 +271,20 @@ def _kept(
     if over_noise(setup, stands) > structure(setup):
         return stands, "unexplained", by_name, (said,)
     return stands, "effect" if stands.parts else "none", by_name, (said,)
+
+
+def _shaped(setup: Setup, plain: Trial, found: Trial, tell: Tell) -> tuple[Trial, Fit]:
+    """What was learned with its fit on whole records, in the form that misses these least of those alike to swings."""
+    whole = whole_fit(setup, found)
+    if not setup.by_rotation or found.costly or whole.rms < MISSED or found.parts[-1].effect in FREEDOMS:
+        return found, whole
+    tell("asking whole records which form it has")
+    less = taken_out(setup, plain, found, len(found.parts) - 1)
+    for other in alike(setup.simulator, less, found, tell):
+        there = whole_fit(setup, other)
+        if explains_more(setup, there, whole):
+            found, whole = other, there
+    return found, whole
 
 
 def _carries(setup: Setup, without: Settled, found: Settled) -> bool:

@@ -26,7 +26,7 @@ from studies.loop.candidates import Candidate
 from studies.loop.model import DRIFT
 from studies.loop.parameters import Parameter
 from studies.loop.simulation import Simulator
-from studies.loop.tracing import Trial, bic, pays, search
+from studies.loop.tracing import PAYS, Trial, bic, pays, search
 from studies.loop.windows import SIDE, Window
 
 LEAST_GAIN = 0.03
@@ -36,6 +36,9 @@ LEAST_LEFT = 0.98
 """Rms of the swings over what pure noise leaves of them that no term brings them below: two standard deviations."""
 
 MOST_TERMS = 4
+
+MOST_ALIKE = 4
+"""Forms that swings hardly tell from what was learned of them that whole records are asked about."""
 
 FEW = 2
 """Coefficients and curves that are the better answer where they leave no more than noise, whatever else would."""
@@ -133,7 +136,7 @@ def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
     p, alpha = block.p(), block.alpha
     torque = 0.02 * p**2 * alpha
     reach = min(FURTHEST * max(abs(w.theta) for w in windows), 0.5 * math.pi)
-    shapes = (("near upright", NEAR_UPRIGHT, 4), ("smooth", 1.0, 4), ("fine", 1.0, 16))
+    shapes = (("near upright", NEAR_UPRIGHT, 4), ("smooth", 1.0, 4), ("fine to the middle", 0.5, 8), ("fine", 1.0, 16))
     kinds = (
         ("curve alike on both sides", CURVE, "odd_", ODD, torque),
         ("curve by side", CURVE, "even_", EVEN, torque),
@@ -229,15 +232,33 @@ def learn(
         than noise; their runs take long.
     """
     declared, released = onto.swing.model.declared, any(test.kind == "free" for test in simulator.tests)
-    at_hand = (
-        *terms(declared),
-        *(c for form in (readings, profiles, memories) for c in form(declared, onto.swing.windows)),
-    )
+    at_hand = _at_hand(onto)
     known: dict[tuple[str, ...], Trial | None] = {}
     found = _grown(simulator, onto, [(at_hand, known)], tell, rival, FEW if going_on else MOST_TERMS)
     if not going_on or not _more_to_learn(found):
         return found
     return _grown(simulator, onto, [(at_hand, known), (inner(declared, released), {})], tell, rival, MOST_TERMS)
+
+
+def _at_hand(onto: Trial) -> tuple[Candidate, ...]:
+    """What has no states that go on from swing to swing."""
+    declared, windows = onto.swing.model.declared, onto.swing.windows
+    return (*terms(declared), *(c for form in (readings, profiles, memories) for c in form(declared, windows)))
+
+
+def alike(simulator: Simulator, without: Trial, found: Trial, tell: Callable[[str], None]) -> list[Trial]:
+    """What swings hardly tell from what was learned last, the best first.
+
+    without: the trial without that.
+    """
+    last = found.parts[-1]
+    others = [c for c in open_to(without, _at_hand(without)) if c.name != last.name]
+    near = [
+        t
+        for t in search(simulator, without, others, tell, repeated=True).trials
+        if bic(t.swing) < bic(found.swing) + PAYS
+    ]
+    return sorted(near, key=lambda t: bic(t.swing))[:MOST_ALIKE]
 
 
 def _grown(

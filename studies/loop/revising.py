@@ -58,7 +58,7 @@ def revised(
     said: list[str] = []
     while True:
         tell("looking again at what was accepted first")
-        others = [_without(setup, plain, stands.trial, k) for k in range(len(stands.trial.parts))]
+        others = [taken_out(setup, plain, stands.trial, k) for k in range(len(stands.trial.parts))]
         shorter = _dropped(setup, stands, others) if len(stands.trial.parts) > 1 else None
         if shorter is not None:
             gone = set(stands.trial.names) - set(shorter.trial.names)
@@ -84,7 +84,7 @@ def revised(
         stands = better
 
 
-def _without(setup: Setup, plain: Trial, trial: Trial, k: int) -> Trial:
+def taken_out(setup: Setup, plain: Trial, trial: Trial, k: int) -> Trial:
     """The trial with one of its effects taken out, and all the others fitted anew."""
     left = plain
     for part in (*trial.parts[:k], *trial.parts[k + 1 :]):
@@ -135,7 +135,7 @@ def without_needless(
     """
     if len(stands.trial.parts) < 2:
         return None
-    others = [_without(setup, plain, stands.trial, k) for k in range(len(stands.trial.parts))]
+    others = [taken_out(setup, plain, stands.trial, k) for k in range(len(stands.trial.parts))]
     shorter = _dropped(setup, stands, others)
     if shorter is None:
         return None

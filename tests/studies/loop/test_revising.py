@@ -285,7 +285,7 @@ def test_what_whole_records_refuse_neither_goes_nor_comes(monkeypatch: pytest.Mo
     both = stub("lag", "damping", chi2=1000.0)
     first, second = Round(plain, [lag]), Round(lag, [both, stub("lag", "drag", chi2=900.0)])
     alone = {"lag": stub("damping", chi2=1010.0), "damping": stub("lag", chi2=4000.0)}
-    monkeypatch.setattr(revising, "_without", lambda s, p, trial, k: alone[trial.names[k]])
+    monkeypatch.setattr(revising, "taken_out", lambda s, p, trial, k: alone[trial.names[k]])
     monkeypatch.setattr(revising, "search", lambda s, onto, pool, tell: Round(onto, []))
     monkeypatch.setattr(revising, "whole_fit", lambda setup, trial, whole: trial.names)
     for name in ("_whole_without", "_whole_without_from_many"):
@@ -326,7 +326,7 @@ def test_a_floor_that_was_put_off_does_not_come_in_without_whole_records(monkeyp
     plain, lag = stub(chi2=5000.0), stub("lag", chi2=4000.0)
     both, floor = stub("lag", "damping", chi2=1000.0), stub("lag", "floor", chi2=900.0)
     floor.costly = True  # type: ignore[misc]
-    monkeypatch.setattr(revising, "_without", lambda s, p, trial, k: stub(trial.names[1 - k], chi2=4000.0))
+    monkeypatch.setattr(revising, "taken_out", lambda s, p, trial, k: stub(trial.names[1 - k], chi2=4000.0))
     monkeypatch.setattr(revising, "search", lambda s, onto, pool, tell: Round(onto, []))
     rounds = [Round(plain, [lag]), Round(lag, [both, floor])]
     made = revised(SimpleNamespace(simulator=None, by_rotation=True), plain, both, both.names, rounds, quiet)  # type: ignore[arg-type]
@@ -342,7 +342,7 @@ def test_one_effect_that_is_left_stays(monkeypatch: pytest.MonkeyPatch) -> None:
         left = trial.names[1 - k] if len(trial.names) > 1 else ""
         return {"a": first, "b": alone, "": plain}[left]
 
-    monkeypatch.setattr(revising, "_without", without)
+    monkeypatch.setattr(revising, "taken_out", without)
     monkeypatch.setattr(revising, "search", lambda s, onto, pool, tell: Round(onto, [better]))
     monkeypatch.setattr(revising, "whole_fit", lambda setup, trial, whole: trial.names)
     for name in ("_whole_without", "_whole_without_from_many"):
@@ -384,7 +384,7 @@ def test_names_come_back_where_what_was_learned_does_not_carry(
     asked = []
     monkeypatch.setattr(closing, "_explained", lambda *_: (memory, "unexplained"))
     monkeypatch.setattr(closing, "settle", lambda setup, trial, whole: settled(trial.names))
-    monkeypatch.setattr(closing, "whole_fit", lambda setup, trial: None)
+    monkeypatch.setattr(closing, "_shaped", lambda setup, plain, found, tell: (found, None))
     monkeypatch.setattr(closing, "over_noise", lambda setup, trial: left)
     monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
 

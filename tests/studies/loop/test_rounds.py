@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from studies.campaigns import DeclaredBlock
-from studies.loop import closing, remaining, rounds, settling, tracing, whole_records
+from studies.loop import closing, learning, remaining, rounds, settling, tracing, whole_records
 from studies.loop.learning import terms
 from studies.loop.rivals import Rival, other_forms, twins
 from studies.loop.settling import gain, where_told
@@ -532,6 +532,56 @@ def test_a_law_that_has_no_name_is_asked_of_whole_records_that_names_miss(monkey
     assert verdict == ends and chosen is (term if ends == "unexplained" else found)
     if asked:
         assert "learned[friction by side]" in asked and "learned[damping]" not in asked
+
+
+@pytest.mark.parametrize(
+    ("effect", "rms", "by_rotation", "ends"),
+    [
+        ("learned_curve", 7.5, True, "near upright"),
+        ("learned_curve", 1.2, True, "smooth"),
+        ("learned_curve", 7.5, False, "smooth"),
+        ("learned_mode", 7.5, True, "smooth"),
+    ],
+)
+def test_whole_records_choose_among_forms_that_swings_hardly_tell_apart(monkeypatch, effect, rms, by_rotation, ends):
+    """As measured on a magnet near upright: 4666, 4670 and 4654 of swings, 7.5, 0.95 and 4.3 of whole records."""
+    forms = {"smooth": (4666.0, rms), "near upright": (4670.0, 0.95), "fine": (4654.0, 4.3), "far": (9000.0, 0.5)}
+
+    def form(name):
+        part = SimpleNamespace(name=name, effect=effect)
+        swing = SimpleNamespace(chi2=forms[name][0], parameters=(), samples=4900)
+        return SimpleNamespace(names=("tilt", name), parts=(None, part), swing=swing, costly=False)
+
+    def alike(simulator, less, found, tell):
+        assert less == ("without", 1) and found.names[-1] == "smooth"
+        return [form("near upright"), form("fine")]
+
+    monkeypatch.setattr(closing, "taken_out", lambda setup, plain, found, k: ("without", k))
+    monkeypatch.setattr(closing, "alike", alike)
+    monkeypatch.setattr(closing, "whole_fit", lambda setup, t: SimpleNamespace(rms=forms[t.names[-1]][1]))
+    monkeypatch.setattr(closing, "explains_more", lambda setup, one, other: one.rms < other.rms)
+    setup = SimpleNamespace(by_rotation=by_rotation, simulator=None)
+    found, whole = closing._shaped(setup, None, form("smooth"), lambda text: None)
+    assert found.names[-1] == ends and whole.rms == forms[ends][1]
+
+
+def test_alike_is_what_swings_hardly_tell_from_what_was_learned(monkeypatch):
+    def form(name, chi2):
+        swing = SimpleNamespace(chi2=chi2, parameters=(), samples=4900)
+        return SimpleNamespace(name=name, parts=(SimpleNamespace(name=name),), swing=swing)
+
+    found = form("smooth", 4666.0)
+    tried = [form("far", 4727.0), form("near upright", 4670.0), form("fine", 4654.0)]
+    pool = [SimpleNamespace(name=name) for name in ("smooth", "fine")]
+    monkeypatch.setattr(learning, "_at_hand", lambda onto: pool)
+    monkeypatch.setattr(learning, "open_to", lambda onto, among: list(among))
+
+    def search(simulator, onto, among, tell, repeated):
+        assert onto == "less" and [c.name for c in among] == ["fine"] and repeated
+        return SimpleNamespace(trials=tried)
+
+    monkeypatch.setattr(learning, "search", search)
+    assert [t.name for t in learning.alike(None, "less", found, None)] == ["fine", "near upright"]
 
 
 def test_what_only_undoes_an_effect_is_not_learned(monkeypatch):
