@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 RTOL, ATOL = 1e-8, 1e-11
 
-MOST_EVENTS = 10_000
+MOST_EVENTS = 30_000
 """Of a run, after which it has failed: models that gain from their impacts rattle without end, and take seconds."""
 
 HISTORY = 6
