@@ -86,7 +86,7 @@ def test_damping_that_fades_with_the_rotation_is_drawn_as_it_was() -> None:
 def test_friction_on_one_side_is_learned_as_such() -> None:
     """0.1 rad/s^2 while the block leans to +x: half on both sides, and half with the side's sign."""
     found = learned(replace(IDEAL, guide=0.1))
-    assert set(found.names) == {"learned[friction]", "learned[side_friction]"}
+    assert found.names == ("learned[friction by side]",)
     for name in ("friction", "side_friction"):
         assert found.swing.model.get(f"learned_term.{name}") == pytest.approx(-0.05, rel=0.1)
 
