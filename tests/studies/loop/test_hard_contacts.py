@@ -15,6 +15,7 @@ RIVALS = {"bouncing", "velocity_dependent_restitution", "viscous_damping", "base
 
 
 @pytest.mark.slow
+@pytest.mark.slowest
 def test_a_corner_that_bounces_is_found(tmp_path, monkeypatch):
     truth = make_campaign(2002, ["bouncing"], tmp_path)
     monkeypatch.setattr(
