@@ -108,7 +108,7 @@ SOFTEST = 125.0
 def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
     weight = block.mass * G_STANDARD
     moment = 0.5 * weight * block.breadth
-    # Corners pressed in by 2e-3 to 4e-5 of the breadth under the weight, beyond which a floor is all but rigid and runs
+    # Corners pressed in by 8e-3 to 4e-5 of the breadth under the weight, beyond which a floor is all but rigid and runs
     # take longest, and all but held in place along the floor.  The sum of squares has minima in the stiffness less than
     # a factor of two apart.
     soft = [float(weight / (sink * block.breadth)) for sink in np.geomspace(8e-3, 4e-5, 15)]

@@ -253,11 +253,8 @@ def alike(simulator: Simulator, without: Trial, found: Trial, tell: Callable[[st
     """
     last = found.parts[-1]
     others = [c for c in open_to(without, _at_hand(without)) if c.name != last.name]
-    near = [
-        t
-        for t in search(simulator, without, others, tell, repeated=True).trials
-        if bic(t.swing) < bic(found.swing) + PAYS
-    ]
+    tried = search(simulator, without, others, tell, repeated=True).trials
+    near = [t for t in tried if bic(t.swing) < bic(found.swing) + PAYS]
     return sorted(near, key=lambda t: bic(t.swing))[:MOST_ALIKE]
 
 

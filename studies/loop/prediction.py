@@ -21,6 +21,9 @@ from studies.running.files import save_text, write_whole
 
 Array = NDArray[np.float64]
 
+MOST_EVENTS = 1_000_000
+"""Of a run, as of `rocking.solve`; fits give up earlier on models that rattle."""
+
 
 def predict(model: LoopModel, campaign: Campaign, simulator: Simulator | None = None) -> list[Answer]:
     """The answer of the model to each test, in the order of the campaign; a free test starts from its declared lean.
@@ -37,7 +40,8 @@ def predict(model: LoopModel, campaign: Campaign, simulator: Simulator | None = 
 
 def simulator_of(model: LoopModel, campaign: Campaign) -> Simulator:
     """Runs on the tests of a campaign, on base records as thin as those that a model is fitted to."""
-    return Simulator(campaign.tests, factors=factors(campaign.tests, campaign.block.p(model.g)))
+    thin = factors(campaign.tests, campaign.block.p(model.g))
+    return Simulator(campaign.tests, factors=thin, most_events=MOST_EVENTS)
 
 
 def write_predictions(
@@ -45,10 +49,11 @@ def write_predictions(
 ) -> dict[str, Any]:
     """Predict every test and write a CSV for each and `predict.json`; what predict.json holds is returned.
 
-    A CSV holds `time` [s], `rotation` [rad] and each declared channel on the block [m/s^2]; empty fields after a fall.
+    A CSV holds `time` [s], `rotation` [rad] and each declared channel on the block [m/s^2]; empty fields after a fall,
+    and from where a run had to stop, which `tell` and a note in predict.json say.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    summary = {}
+    summary: dict[str, dict[str, Any]] = {}
     simulator = simulator_of(model, campaign)
     answers = predict(model, campaign, simulator)
     for k, (test, answer) in enumerate(zip(campaign.tests, answers, strict=True)):
@@ -60,6 +65,11 @@ def write_predictions(
         _write_csv(folder / f"{test.id}.csv", test, columns, answer)
         when = answer.overturning_time
         summary[test.id] = {"overturned": answer.fell, "time": None if math.isnan(when) else when}
+        if answer.failed:
+            last = test.time[np.flatnonzero(np.isfinite(answer.y[:, 0]))].max(initial=test.time[0])
+            stopped = f"the run of the model stopped after {last:g} s: what follows is not predicted"
+            summary[test.id]["note"] = stopped
+            tell(f"{test.id}: {stopped}")
     save_text(json.dumps({"tests": summary}, indent=1) + "\n", folder / "predict.json")
     return summary
 

@@ -65,17 +65,15 @@ def whole_fit(setup: Setup, trial: Trial, weights_of: Fit | None = None) -> Fit:
     else:
         windows = [replace(w, sd=o.sd) for w, o in zip(setup.whole, weights_of.windows, strict=True)]
     leans = fit_records(setup.simulator, model, [], windows, iterations=4)
-    full = _drawn_out(setup, trial, leans) if trial.costly else _all_at_once(setup, trial, leans, 8)
+    full = _drawn_out(setup, trial, leans) if trial.costly else _all_at_once(setup, trial, leans)
     if full.chi2 >= leans.chi2 or not _still_fits(setup, trial, full.model):
         return leans
     return full
 
 
-def _all_at_once(setup: Setup, trial: Trial, leans: Fit, iterations: int) -> Fit:
+def _all_at_once(setup: Setup, trial: Trial, leans: Fit) -> Fit:
     """The trial fitted to whole records, from where their leans are fitted."""
-    return fit_records(
-        setup.simulator, leans.model, trial.every, leans.windows, iterations=iterations, again=not trial.costly
-    )
+    return fit_records(setup.simulator, leans.model, trial.every, leans.windows, iterations=8, again=not trial.costly)
 
 
 def _drawn_out(setup: Setup, trial: Trial, leans: Fit) -> Fit:
@@ -90,10 +88,10 @@ def _drawn_out(setup: Setup, trial: Trial, leans: Fit) -> Fit:
         if not kept:
             continue
         first = fit_records(setup.simulator, found.model, [], [begun[i] for i in kept], iterations=4)
-        found = _all_at_once(setup, trial, first, 8)
+        found = _all_at_once(setup, trial, first)
         for i, window in zip(kept, found.windows, strict=True):
             windows[i] = windows[i].moved(window.theta, window.omega)
-    return _all_at_once(setup, trial, fit_records(setup.simulator, found.model, [], windows, iterations=4), 8)
+    return _all_at_once(setup, trial, fit_records(setup.simulator, found.model, [], windows, iterations=4))
 
 
 def weighed_under(setup: Setup, model: LoopModel, windows: Sequence[Window]) -> list[Window]:

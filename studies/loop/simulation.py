@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 RTOL, ATOL = 1e-8, 1e-11
 
 MOST_EVENTS = 30_000
-"""Of a run, after which it has failed: models that gain from their impacts rattle without end, and take seconds."""
+"""Of a run of a fit, after which it has failed: models that gain from their impacts rattle without end, for seconds."""
 
 HISTORY = 6
 """Peaks before a window over which slip is carried: it is forgotten once the corner sticks."""
@@ -142,6 +142,7 @@ class Simulator:
         numbers: of the tests, as they were done; their indices if not given.
         keeper: keeps what was found with it (`studies.loop.fitting.fit`); nothing is kept if not given.
         factors: how many samples of each base record are one in runs (`studies.loop.thinning`); 1 if not given.
+        most_events: after which a run has failed.
     """
 
     def __init__(
@@ -150,8 +151,9 @@ class Simulator:
         numbers: Sequence[int] | None = None,
         keeper: Keeper | None = None,
         factors: Sequence[int] | None = None,
+        most_events: int = MOST_EVENTS,
     ) -> None:
-        self.tests, self.keeper = tuple(tests), keeper
+        self.tests, self.keeper, self.most_events = tuple(tests), keeper, most_events
         self.numbers = tuple(range(len(self.tests))) if numbers is None else tuple(numbers)
         self.factors = (1,) * len(self.tests) if factors is None else tuple(factors)
         bases = [self._recorded(test) for test in self.tests]
@@ -296,9 +298,8 @@ class Simulator:
             out.append(replace(job, model=places[key]))
         return every, out
 
-    @staticmethod
     def _run_group(
-        systems: Any, motions: Any, jobs: Sequence[Job], carried: Sequence[dict[str, Any]], members: list[int]
+        self, systems: Any, motions: Any, jobs: Sequence[Job], carried: Sequence[dict[str, Any]], members: list[int]
     ) -> list[Answer]:
         own_systems = list(dict.fromkeys(jobs[i].model for i in members))
         own_motions: dict[int, tuple[int, Any]] = {}
@@ -312,7 +313,7 @@ class Simulator:
         first = systems[own_systems[0]]
         found = run_windows(
             [systems[m] for m in own_systems], [m for _, m in own_motions.values()], starts,
-            [jobs[i].times for i in members], rtol=RTOL, atol=ATOL, max_events=MOST_EVENTS,
+            [jobs[i].times for i in members], rtol=RTOL, atol=ATOL, max_events=self.most_events,
         )  # fmt: skip
         column = first.state_names.index("theta")
         answers, at = [], 0

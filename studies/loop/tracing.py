@@ -58,8 +58,11 @@ UNPROMISING = 0.1
 """A candidate whose runs take long goes no further if it explains less than this share of what others explain of some
 swings."""
 
-NOTHING_LEFT = "nothing over the noise; runs take long"
 FAR_LESS = "far less of some swings is explained than by others; runs take long"
+"""Why a floor that gives goes no further (`UNPROMISING`)."""
+
+NOT_NEEDED = "nothing over the noise; runs take long"
+"""What others leave where such a floor is not tried at all."""
 
 HOPEFUL = 0.3
 """A candidate is fitted to the end if it leaves no more than this share of the best one's gain."""
@@ -215,7 +218,7 @@ def search(
     else:
         search_costly(simulator, found, tell, explained)
         return found
-    found.skipped |= {c.name: f"{by} {NOTHING_LEFT}" for c in found.put_off}
+    found.skipped |= {c.name: f"{by} {NOT_NEEDED}" for c in found.put_off}
     return found
 
 
@@ -240,7 +243,7 @@ def search_costly(
         if known is None:
             further.append(c)
         else:
-            found.skipped[c.name] = f"the fit of {found.added(known).name} leaves {NOTHING_LEFT}"
+            found.skipped[c.name] = f"the fit of {found.added(known).name} leaves {NOT_NEEDED}"
     _fitted(simulator, further, found, tell)
     return found.trials[before:]
 

@@ -595,11 +595,8 @@ def test_what_only_undoes_an_effect_is_not_learned(monkeypatch):
     monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
     monkeypatch.setattr(closing, "unexplained", lambda setup: 1.05)
     monkeypatch.setattr(closing, "learn", lambda _, onto, *__, **___: plain if onto is plain else other)
-    setup = SimpleNamespace(simulator=None, records=[])
-    assert closing._explained(setup, plain, None, found, SimpleNamespace(rms=1.0), lambda text: None) == (
-        found,
-        "effect",
-    )
+    setup, met = SimpleNamespace(simulator=None, records=[]), SimpleNamespace(rms=1.0)
+    assert closing._explained(setup, plain, None, found, met, lambda text: None) == (found, "effect")
 
 
 def test_nothing_is_learned_where_two_effects_leave_what_noise_leaves(monkeypatch):

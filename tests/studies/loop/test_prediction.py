@@ -1,0 +1,43 @@
+"""What is written of a prediction whose run has to stop: nothing is made up, and it is said."""
+
+import csv
+import json
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rocking import Block
+from studies.campaigns import Channel, DeclaredBlock, Test
+from studies.loop import prediction
+from studies.loop.model import LoopModel
+
+BLOCK = Block(0.2, 0.8, 0.4)
+DECLARED = DeclaredBlock(0.2, 0.8, 0.4, BLOCK.mass)
+
+
+@pytest.mark.parametrize("most", [4, 1_000])
+def test_a_run_that_has_to_stop_leaves_the_rest_empty_and_says_so(tmp_path, monkeypatch, most):
+    """A free decay has an impact about every half second, so that four of them are over long before eight seconds."""
+    monkeypatch.setattr(prediction, "MOST_EVENTS", most)
+    time, said = np.arange(2001) * 0.004, list[str]()
+    rotation = Channel("rotation", "rotation", 1e-4)
+    test = Test("free-01", "free", time, (rotation,), {"rotation": np.full(time.size, np.nan)}, initial_rotation=0.2)
+    campaign: Any = SimpleNamespace(tests=(test,), block=DECLARED, channels=(rotation,))
+    found = prediction.write_predictions(LoopModel(DECLARED, 0.95, {}, 9.81), campaign, tmp_path, said.append)
+    with (tmp_path / "free-01.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    empty = [row["rotation"] == "" for row in rows]
+    assert found == json.loads((tmp_path / "predict.json").read_text())["tests"]
+    assert found["free-01"]["overturned"] is False
+    if most == 1_000:
+        assert not any(empty) and said == ["free-01"] and "note" not in found["free-01"]
+        return
+    stop = empty.index(True)
+    assert all(empty[stop:]) and 0.5 < time[stop] < 4.0
+    assert (
+        found["free-01"]["note"]
+        == f"the run of the model stopped after {time[stop - 1]:g} s: what follows is not predicted"
+    )
+    assert said == ["free-01", f"free-01: {found['free-01']['note']}"]
