@@ -2,19 +2,22 @@
 
 With F and N of each corner that touches (compression d of its foot, slip e since it touched, both with their rates),
 
-    N = (1 - w) max(k d + c d', 0),  F = -(k_t e + c_t e') while d > 0,  c = 2 xi sqrt(k m),  c_t = 2 xi sqrt(k_t m)
+    N = (1 - w) max(k d + c d', 0),  F = -(k_t q + c_t q') while d > 0,  c = 2 xi sqrt(k m),  c_t = 2 xi sqrt(k_t m)
+    q' = e' while friction holds, |F| <= mu N (of a bed: mu times what it carries besides), else such that |F| = mu N
     m x'' = sum F - m A_x,  m z'' = sum N - m A_z,  I_c theta'' = sum (r_z F - r_x N) - I_c psi''
 
 about the centre of mass (x, z), the base in the axes of the floor and psi'' its pitch acceleration.  The share w of
 the normal stiffness is a Winkler bed: a pressure max(w k d + w c d', 0) / a on each unit of length of the base (2 a
-wide) that is below the floor, as stiff in all as the two corners; its sums are in closed form.  The feet do not
-slip.  Where each foot touched is part of the state, so that tangential forces start from zero at each touch-down.
-A foot is held sideways as long as it is below the floor, also in the instants in which a dashpot would have to pull
-and N is zero: if F went with N, the two would switch each other on and off without end (from xi = 0.8 up).
+wide) that is below the floor, as stiff in all as the two corners; its sums are in closed form.  Where each foot
+touched is part of the state, so that tangential forces start from zero at each touch-down; a foot that slips drags
+that place along, e - q.  So F goes to zero with N where a foot leaves: that slip is in every impact.
+
+Without a limit to friction (mu infinite, the default) a foot is held sideways as long as it is below the floor, also in
+the instants in which a dashpot would have to pull and N is zero, and lets go at once.
 
 Source   Psycharis & Jennings (1983), Earthquake Eng. Struct. Dyn. 11, 57-76: two-spring foundation and Winkler bed with
          uplift, here without their small angles; the tangential springs are those of the distinct elements of Winkler,
-         Meguro & Yamazaki (1995).
+         Meguro & Yamazaki (1995), their slider in series with spring and dashpot (a body of Bingham's).
 Status   energy balance, the static sink, periods of small oscillation, the rigid limit, the history of the distinct
          element with the same contacts, and a bed of many separate springs (tests).  A block that stands on both
          corners has mode REST, on one ROTATION, on none ROTATION_JUMP; it never stands wholly still.
@@ -32,6 +35,9 @@ from rocking.composed import ComposedMethod1, OnRigidBlock, added
 from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, Anchor, Base, Discrete, in_floor_axes
 from rocking.validation import positive, within
 
+UNLIMITED = 1e300
+"""Friction that holds in any case, as a number that may be multiplied by zero."""
+
 FALL, RIGHT_LANDS, LEFT_LANDS, RIGHT_LIFTS, LEFT_LIFTS = range(5)
 
 
@@ -48,6 +54,7 @@ class Parameters(NamedTuple):
     k_t: float  # the same along the floor [1/s^2]
     c_t: float  # [1/s]
     spread: float  # w, share of both that is a bed [1]
+    mu: float  # friction of a foot [1], `UNLIMITED` where it holds in any case
     balance_right: float  # tilt of unstable balance to +x [rad]
     balance_left: float  # to -x [rad], positive
     hooks: Any  # Hooks; those of an impact are not asked for, since its loss follows from the dashpots
@@ -72,11 +79,25 @@ def foot(xp: Any, y: Any, side: float, par: Parameters) -> Foot:
     return Foot(r_x, r_z, y[0] + r_x, y[1] + r_z, y[3] + y[5] * r_z, y[4] - y[5] * r_x)
 
 
-def forces(xp: Any, at: Foot, touched: Any, touches: Any, par: Parameters) -> tuple[Any, Any]:
-    """(F, N) over mass [m/s^2] of a foot that first touched the floor at x = touched."""
+class Held(NamedTuple):
+    """What a foot gives, over mass [m/s^2], and how fast its place on the floor is dragged along [m/s]."""
+
+    F: Any
+    N: Any
+    dragged: Any
+
+
+def forces(xp: Any, at: Foot, touched: Any, touches: Any, beside: Any, par: Parameters) -> Held:
+    """A foot that first touched the floor at x = touched, with a bed that carries `beside` [m/s^2] where it stands."""
     N = xp.where(touches, (1.0 - par.spread) * xp.maximum(-par.k * at.height - par.c * at.v, 0.0), 0.0)
-    F = xp.where(touches, -par.k_t * (at.x - touched) - par.c_t * at.u, 0.0)
-    return F, N
+    spring = par.k_t * (at.x - touched)
+    F = -spring - par.c_t * at.u
+    most = par.mu * (N + beside)
+    slips = touches & (par.mu < UNLIMITED) & (xp.abs(F) > most)
+    F = xp.where(touches, xp.where(slips, xp.minimum(xp.maximum(F, -most), most), F), 0.0)
+    # The spring and its dashpot then stretch as the force that is left lets them.
+    stretching = -(F + spring) / xp.where(par.c_t > 0.0, par.c_t, 1.0)
+    return Held(F, N, xp.where(slips, at.u - stretching, 0.0))
 
 
 def positive_part(xp: Any, at_middle: Any, slope: Any, low: Any, high: Any) -> tuple[Any, Any]:
@@ -114,19 +135,19 @@ def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any
     """dy/dt; what the two feet do not hold is free."""
     right, left = foot(xp, y, 1.0, par), foot(xp, y, -1.0, par)
     on_right, on_left = touching(q)
-    F_r, N_r = forces(xp, right, y[6], on_right, par)
-    F_l, N_l = forces(xp, left, y[7], on_left, par)
+    N_b, moment_b = bed(xp, y, par)
+    F_r, N_r, dragged_r = forces(xp, right, y[6], on_right, N_b, par)
+    F_l, N_l, dragged_l = forces(xp, left, y[7], on_left, N_b, par)
     A_x, A_z = in_floor_axes(xp, base, par.g)
     # A pitch about the middle of where the block stands carries the centre of mass along.
     A_x = A_x + base.pitch_acceleration * y[1]
     A_z = A_z - base.pitch_acceleration * y[0]
-    N_b, moment_b = bed(xp, y, par)
     moment = right.r_z * F_r - right.r_x * N_r + left.r_z * F_l - left.r_x * N_l + moment_b
     omega_dot = moment / par.rho2 - base.pitch_acceleration
     # What effects add to a block on a fixed corner is a couple of so much times its inertia there.
     r_x, r_z = xp.where(q.s > 0.0, right.r_x, left.r_x), xp.where(q.s > 0.0, right.r_z, left.r_z)
     omega_dot = omega_dot + added(y[2], y[5], q.s, base, par) * (par.rho2 + r_x * r_x + r_z * r_z) / par.rho2
-    return y[3], y[4], y[5], F_r + F_l - A_x, N_r + N_l + N_b - A_z, omega_dot, 0.0 * y[6], 0.0 * y[7]
+    return y[3], y[4], y[5], F_r + F_l - A_x, N_r + N_l + N_b - A_z, omega_dot, dragged_r, dragged_l
 
 
 def guards(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any, ...]:
@@ -173,6 +194,7 @@ class BlockOnSoftFloor(OnRigidBlock):
             a Winkler bed as stiff in all as the two corners.
         tangential_ratio: k_t / k of a corner [1], positive: 1 as in the distinct elements of the paper; 10 or more
             where friction holds the corners in place on a layer that gives downward alone.
+        friction: mu of a corner [1], positive; infinite where it holds in any case.  It takes a dashpot.
 
     Raises:
         ValueError: a number is out of its range, the floor is so soft that the block cannot stand on it, or the block
@@ -184,6 +206,7 @@ class BlockOnSoftFloor(OnRigidBlock):
     damping_ratio: float
     spread: float = 0.0
     tangential_ratio: float = 1.0
+    friction: float = math.inf
 
     name = "soft_floor"
     state_names = ("x", "z", "theta", "u", "v", "omega", "foot_right", "foot_left")
@@ -201,6 +224,10 @@ class BlockOnSoftFloor(OnRigidBlock):
         within("damping_ratio", self.damping_ratio, 0.0, math.inf)
         within("spread", self.spread, 0.0, 1.0)
         positive("tangential_ratio", self.tangential_ratio, "1")
+        if not self.friction > 0.0:
+            raise ValueError(f"friction={self.friction!r}: want more than 0, or inf where the corners are held")
+        if self.friction < math.inf and self.damping_ratio == 0.0:
+            raise ValueError(f"damping_ratio=0.0: want more than 0 beside friction={self.friction!r}, or friction=inf")
         form = self.rigid.form
         striking = [effect.name for effect in self.effects if "restitution" in effect.ways()]
         foreign = ["rounded_edges"] * (form.edge_radius != 0.0) + ["base_adhesion"] * (form.adhesion != 0.0) + striking
@@ -223,7 +250,8 @@ class BlockOnSoftFloor(OnRigidBlock):
         dashpot, along = 2.0 * self.damping_ratio * math.sqrt(per_mass), float(self.tangential_ratio)
         return Parameters(
             form.half_breadth, form.offset, form.mass_height, form.rho2, float(self.g), per_mass, dashpot,
-            along * per_mass, math.sqrt(along) * dashpot, float(self.spread), form.theta_c(1.0), form.theta_c(-1.0),
+            along * per_mass, math.sqrt(along) * dashpot, float(self.spread), min(float(self.friction), UNLIMITED),
+            form.theta_c(1.0), form.theta_c(-1.0),
             self.rigid.hooks,
         )  # fmt: skip
 

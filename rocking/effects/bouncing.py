@@ -2,10 +2,12 @@
 
 Changes     impacts at an instant: the modes, Method 2 (Ishiyama's six) in place of Method 1, with a normal restitution
             and no slip limit but that of friction; contacts that last: two freedoms, a spring and a dashpot under each
-            corner (`rocking.soft_floor`)
+            corner (`rocking.soft_floor`), along the floor as strong as friction lets them be
 Parameters  normal_restitution e_n [1], 0 where it is absent; it takes the place of restitution.  friction mu [1],
             infinite where it is absent.  contact_frequency f [Hz] of a corner on its spring, infinite where impacts
-            happen at an instant; a corner with one does not slip
+            happen at an instant.  tangential_ratio [1], its stiffness along the
+            floor over that normal to it: 20 unless given, with which it is all but held; without effect where impacts
+            happen at an instant
 Use when    short blocks or stiff floors: after an impact the corner is seen to lift, or the block rattles.  With f a
             corner may bounce while the other one is still in contact; what a swing of a slender block loses is then
             much the same for a higher f and a lower e_n
@@ -34,32 +36,31 @@ from rocking.method2 import Method2
 from rocking.soft_floor import BlockOnSoftFloor
 
 HELD = 20.0
-"""Stiffness of a corner along the floor over that normal to it: friction without limit holds it in place."""
+"""Stiffness of a corner along the floor over that normal to it with which it is all but held in place."""
 
 
 @dataclass(frozen=True)
 class Bouncing(Effect):
-    """Normal restitution [1] of a corner, friction [1] (infinite if not given), frequency of its contact [Hz]."""
+    """Normal restitution [1] of a corner, friction [1], frequency of its contact [Hz] and stiffness along the floor."""
 
     normal_restitution: float = 0.0
     friction: float = math.inf
     contact_frequency: float = math.inf
+    tangential_ratio: float = HELD
 
     name: ClassVar[str] = "bouncing"
-    units: ClassVar[dict[str, str]] = {"normal_restitution": "1", "friction": "1", "contact_frequency": "Hz"}
+    units: ClassVar[dict[str, str]] = {
+        "normal_restitution": "1",
+        "friction": "1",
+        "contact_frequency": "Hz",
+        "tangential_ratio": "1",
+    }
     ranges: ClassVar[dict[str, tuple[float, float]]] = {
         "normal_restitution": (0.0, 1.0),
         "friction": (0.0, math.inf),
         "contact_frequency": (0.0, math.inf),
+        "tangential_ratio": (0.0, math.inf),
     }
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.contact_frequency < math.inf and self.friction < math.inf:
-            raise ValueError(
-                f"bouncing.friction={self.friction!r}: want none beside bouncing.contact_frequency="
-                f"{self.contact_frequency!r} Hz, a corner with one does not slip"
-            )
 
     def ways_used(self) -> frozenset[str]:
         """Further freedoms where contacts last, other modes where impacts happen at an instant."""
@@ -78,7 +79,9 @@ class Bouncing(Effect):
         lost = -math.log(self.normal_restitution) if self.normal_restitution > 0.0 else math.inf
         share = lost / math.hypot(math.pi, lost) if lost < math.inf else 1.0
         try:
-            return BlockOnSoftFloor(system, stiffness, share * math.sqrt(felt / form.mass), 0.0, HELD)
+            return BlockOnSoftFloor(
+                system, stiffness, share * math.sqrt(felt / form.mass), 0.0, self.tangential_ratio, self.friction
+            )
         except ValueError as error:
             if not str(error).startswith("corner_stiffness"):
                 raise

@@ -4,9 +4,12 @@ Adds        two freedoms, springs and dashpots under the corners or spread under
 Parameters  corner_stiffness k [N/m], infinite (rigid) where it is absent; damping_ratio xi = c / (2 sqrt(k m)) [1] of
             a corner, which takes the place of restitution; spread [1], the share of the normal springs and dashpots
             that is a Winkler bed as stiff in all as two corners, 0 where it is absent; tangential_ratio [1], a
-            corner's stiffness along the floor over k, 1 where it is absent
+            corner's stiffness along the floor over k, 1 where it is absent; friction mu of the corners [1], infinite
+            where it is absent: then they are held until they leave the floor, which makes impacts harder than those of
+            any foot that friction holds
 Use when    the block stands on rubber, soil or a soft table, or rattles audibly
-Limits      the corners do not slip, also where they stand on a bed; not together with rounded_edges
+Limits      on a bed the corners alone are held along the floor, by the friction of the whole bed; not together with
+            rounded_edges or sliding
 Source      Psycharis & Jennings (1983), Earthquake Eng. Struct. Dyn. 11, 57-76
 Status      see `rocking.soft_floor`
 """
@@ -25,12 +28,13 @@ from rocking.soft_floor import BlockOnSoftFloor
 
 @dataclass(frozen=True)
 class CompliantBase(Effect):
-    """Stiffness of a corner [N/m], its damping ratio, their share under the base, and stiffness along the floor [1]."""
+    """Stiffness of a corner [N/m], its damping ratio, what of it is a bed, stiffness along the floor, and friction."""
 
     corner_stiffness: float = math.inf
     damping_ratio: float = 1.0
     spread: float = 0.0
     tangential_ratio: float = 1.0
+    friction: float = math.inf
 
     name: ClassVar[str] = "compliant_base"
     units: ClassVar[dict[str, str]] = {
@@ -38,16 +42,20 @@ class CompliantBase(Effect):
         "damping_ratio": "1",
         "spread": "1",
         "tangential_ratio": "1",
+        "friction": "1",
     }
     ranges: ClassVar[dict[str, tuple[float, float]]] = {
         "corner_stiffness": (0.0, math.inf),
         "damping_ratio": (0.0, 10.0),
         "spread": (0.0, 1.0),
         "tangential_ratio": (0.0, math.inf),
+        "friction": (0.0, math.inf),
     }
 
     def freedoms(self, system: ComposedMethod1) -> System:
         """The block on springs; the rigid one if they are infinitely stiff."""
         if self.corner_stiffness == math.inf:
             return system
-        return BlockOnSoftFloor(system, self.corner_stiffness, self.damping_ratio, self.spread, self.tangential_ratio)
+        return BlockOnSoftFloor(
+            system, self.corner_stiffness, self.damping_ratio, self.spread, self.tangential_ratio, self.friction
+        )

@@ -1,10 +1,9 @@
 """The block as one distinct element: its corners on springs along and across the floor, with dashpots and friction.
 
-A block of the package `dem`, uniform and with sharp corners; it gives along the floor too, which the laboratory's own
-block on springs does not.
+A block of the package `dem`, uniform and with sharp corners.
 
 Source   Winkler, Meguro & Yamazaki (1995), the distinct element method
-Status   against contact.py, which shares no code with it, where corners hardly give along the floor (tests)
+Status   against contact.py, which shares no code with it, where friction holds, and gives way in impacts (tests)
 """
 
 from __future__ import annotations

@@ -135,29 +135,33 @@ def vertical_motion(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
 
 
 HOLDS = 2.0
-"""Friction under springs, a soft floor or a bouncing corner: more than any shaking asks for, nothing slips."""
+"""Friction that is more than any shaking asks for."""
+
+GRIPS = 1.4
+"""Friction of corners on springs: they slip where they are about to leave, and hardly else."""
 
 
 def compliant_base(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     """Two springs with dashpots."""
     lab = _in("contact", lab)
     stiffness, damping = _soft(lab, d, k)
-    give = _give(lab)
-    soft = _world(lab, stiffness=stiffness, damping=damping, springs=2.0, friction=HOLDS, give=give)
-    return soft, {"corner_stiffness": stiffness} | ({"tangential_ratio": 1.0 / give} if give else {})
+    give = _give(lab, d)
+    soft = _world(lab, stiffness=stiffness, damping=damping, springs=2.0, friction=GRIPS, give=give)
+    return soft, {"corner_stiffness": stiffness, "tangential_ratio": 1.0 / give}
 
 
 def winkler_bed(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     """A bed, as stiff in all as two corners of this stiffness: the same effect by name."""
     lab = _in("contact", lab)
     stiffness, damping = _soft(lab, d, k)
-    bed = _world(lab, stiffness=2 * stiffness, damping=2 * damping, springs=25.0, friction=HOLDS)
-    return bed, {"corner_stiffness": stiffness}
+    give = _give(lab, d)
+    bed = _world(lab, stiffness=2 * stiffness, damping=2 * damping, springs=15.0, friction=GRIPS, give=give)
+    return bed, {"corner_stiffness": stiffness, "tangential_ratio": 1.0 / give}
 
 
-def _give(lab: Lab) -> float:
-    """An element gives along the floor as across it."""
-    return 1.0 if lab.engine == "dem" else 0.0
+def _give(lab: Lab, d: Draw) -> float:
+    """Of a corner along the floor over that across it: an element gives both ways alike, bodies about as much."""
+    return 1.0 if lab.engine == "dem" else float(1.0 / (0.6 * 5.0**d.choice))
 
 
 def _soft(lab: Lab, d: Draw, k: float) -> tuple[float, float]:
@@ -193,6 +197,7 @@ def bouncing(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     log = np.log(e_n)
     ratio = -log / np.sqrt(np.pi**2 + log**2)
     w = lab.world
+    give = _give(lab, d)
     # The corner feels less than the whole block: 1/m_eff = 1/m + b^2/I.
     felt = 1.0 / (1.0 / w.mass + w.half_breadth**2 / w.inertia)
     stiffness = felt * (2 * np.pi * (150.0 + 300.0 * d.other)) ** 2
@@ -201,10 +206,10 @@ def bouncing(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
         stiffness=stiffness,
         damping=2 * ratio * np.sqrt(stiffness * felt),
         springs=2.0,
-        friction=HOLDS,
-        give=_give(lab),
+        friction=GRIPS,
+        give=give,
     )
-    return hard, {"normal_restitution": e_n}
+    return hard, {"normal_restitution": e_n, "tangential_ratio": 1.0 / give}
 
 
 def base_motion_gain(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:

@@ -60,8 +60,8 @@ class World:
     friction: float = math.inf
     stiffness: float = 0.0  # N/m of one corner, or of the whole bed
     damping: float = 0.0  # N s/m, likewise
-    give: float = 0.0  # of a corner along the floor over that across it
-    springs: float = 2.0  # under the base: two at the corners, or as many points of a bed
+    give: float = 1.0  # of a corner along the floor over that across it
+    springs: float = 2.0  # under the base: two at the corners, or the points by which a bed is summed
     gravity: float = G
 
     def vector(self) -> np.ndarray:
