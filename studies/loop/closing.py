@@ -5,7 +5,6 @@ Status   campaigns with records of the response; `studies.loop.outcomes.closing`
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -20,7 +19,7 @@ from studies.loop.learned_curves import Curve, curves
 from studies.loop.learning import FREEDOMS, LEARNED, LOSS, WITH_A_NAME, alike, learn, memories, profiles, terms
 from studies.loop.model import LoopModel
 from studies.loop.names import readable
-from studies.loop.preparing import Setup, prepare
+from studies.loop.preparing import Setup, as_declared, prepare
 from studies.loop.remaining import MISSED_BY_FAR, by_chance, missed, over_noise, slips, structure, unexplained
 from studies.loop.revising import Revision, revised, taken_out, without_needless
 from studies.loop.rivals import Rival, near_all, other_forms, standing, twins, twins_from_many
@@ -116,7 +115,7 @@ def close(
     Raises:
         CampaignError: the data cannot support a finding; it says why.
     """
-    declared = _declared(campaign, STANDARD_GRAVITY if g is None else g)
+    declared = as_declared(campaign, STANDARD_GRAVITY if g is None else g)
     setup = prepare(campaign, declared, keeper)
     tell("calibrating the ideal block")
     plain = baseline(setup.simulator, setup.start, setup.swings, gravity=g is None and setup.reads_gravity)
@@ -339,15 +338,6 @@ def _borne_out(setup: Setup, rivals: Sequence[Rival], chosen: Trial, whole: Fit)
     if setup.by_rotation:
         rivals = twins_from_many(setup, rivals, whole)
     return standing(rivals, refused, lambda r, first: setup.by_rotation and explains_more(setup, r.whole, first.whole))
-
-
-def _declared(campaign: Campaign, g: float) -> LoopModel:
-    e = campaign.conditions.restitution
-    model = LoopModel(campaign.block, 0.9 if e is None else e, {}, g)
-    if e is not None:
-        return model
-    housner = 1.0 - 1.5 * math.sin(campaign.block.alpha) ** 2
-    return replace(model, restitution=min(max(housner, 0.05), 1.0))
 
 
 def _of_the_search(path: Path, stands: Trial) -> tuple[str, ...]:

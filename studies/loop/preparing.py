@@ -5,6 +5,7 @@ Status   campaigns with a rotation channel, with accelerometers on the block, or
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -53,6 +54,16 @@ class Setup:
     def by_rotation(self) -> bool:
         """Whether the rotation was measured; else accelerometers are all there is."""
         return any(c.kind == "rotation" and c is not SIDE for record in self.records for c in record.channels)
+
+
+def as_declared(campaign: Campaign, g: float) -> LoopModel:
+    """The ideal block as declared, with Housner's restitution where none was measured."""
+    e = campaign.conditions.restitution
+    model = LoopModel(campaign.block, 0.9 if e is None else e, {}, g)
+    if e is not None:
+        return model
+    housner = 1.0 - 1.5 * math.sin(campaign.block.alpha) ** 2
+    return replace(model, restitution=min(max(housner, 0.05), 1.0))
 
 
 def held_out(campaign: Campaign, records: Sequence[Record]) -> tuple[int, ...]:

@@ -1,6 +1,6 @@
 """Fits over whole records, and the parameters on which swings and whole records agree.
 
-Status   the intervals' coverage is measured on campaigns with planted effects (studies/loop_trials.py).
+Status   the intervals' coverage is measured on campaigns with planted effects (studies/loop_coverage.py).
 """
 
 from __future__ import annotations

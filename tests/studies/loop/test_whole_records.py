@@ -17,7 +17,7 @@ from studies.loop import closing, searching, whole_records
 from studies.loop.candidates import candidates
 from studies.loop.fitting import fit_records
 from studies.loop.model import LoopModel
-from studies.loop.preparing import prepare
+from studies.loop.preparing import as_declared, prepare
 from studies.loop.rivals import Rival
 from studies.loop.settling import gain, predictable, whole_fit
 from studies.loop.tracing import Trial, all_candidates, baseline, search
@@ -61,7 +61,7 @@ def test_an_effect_is_found_that_is_within_the_noise_of_what_is_predictable(tmp_
     """
     truth = make_campaign(31001, ["base_motion_gain"], tmp_path)
     of_the_base = {"base_motion_gain", "base_tilt", "vertical_motion"}
-    setup = prepare(read(tmp_path / "campaign"), closing._declared(read(tmp_path / "campaign"), G))
+    setup = prepare(read(tmp_path / "campaign"), as_declared(read(tmp_path / "campaign"), G))
     plain = baseline(setup.simulator, setup.start, setup.swings)
     pool = [c for c in all_candidates(plain.swing.model) if c.effect in of_the_base]
     whole = whole_fit(setup, plain)
