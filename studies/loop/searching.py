@@ -72,11 +72,14 @@ def _to_go_through_again(rounds: Sequence[Round]) -> list[Round]:
 
 def _nothing_is_left(setup: Setup, path: Path) -> bool:
     """Whether neither swings nor whole records ask for a floor that gives."""
-    # Where a block slips what is left is a median over the windows, and says nothing of a minority of them; whole
-    # records do.
-    known = path.whole.rms < MISSED if slips(path.last) else len(path.last.parts) < 2
-    little = by_chance(setup, path.last) or known
-    return little and explains(setup, path.last, path.whole)
+    if not explains(setup, path.last, path.whole):
+        return False
+    if len(path.last.parts) < 2 and not slips(path.last):
+        return True
+    # Two effects may stand in for a floor in the swings, but for the end of records hardly. Where a block slips what is
+    # left is a median over the windows, and says nothing of a minority of them; whole records do.
+    met = path.whole.rms < MISSED
+    return met if slips(path.last) else by_chance(setup, path.last) and (met or not setup.by_rotation)
 
 
 def _going_back(setup: Setup, greedy: Path, pool: Sequence[Candidate], tell: Tell) -> list[Path]:

@@ -56,9 +56,17 @@ def searched():
 
 def test_floors_are_not_tried_where_two_effects_leave_nothing(ways):
     ways.accepted = {((), True): path_of("a"), (("a",), True): (both := path_of("a", "b"))}
-    both.swing.rms = 1.0
+    both.swing.rms, ways.whole = 1.0, 1.29
     assert [t.names for t in searched().trials] == [(), ("a",), ("a", "b")]
     assert ways.rounds == [((), True, False), (("a",), True, False)]
+
+
+@pytest.mark.parametrize("whole, asked", [(1.29, False), (1.31, True)])
+def test_floors_are_tried_where_two_effects_leave_nothing_of_swings_and_miss_whole_records(ways, whole, asked):
+    ways.whole = whole
+    ways.accepted = {((), True): path_of("a"), (("a",), True): path_of("a", "b")}
+    searched()
+    assert any(not later for _, later, _ in ways.rounds) == asked
 
 
 @pytest.mark.parametrize("whole, asked", [(1.29, False), (1.31, True)])
