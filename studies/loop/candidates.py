@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -43,6 +43,7 @@ class Candidate:
     screened: int = 0  # so many starts are fitted, those that explain most as they are; all if 0
     after: str = ""  # a form that is tried before; where that promises nothing, this one is left out
     beyond: tuple[str, float] | None = None  # parameter of another effect, and the value up to which that is the name
+    assumed: Mapping[str, float] = field(default_factory=dict)  # of those that stay: other values that may be as right
 
     def nothing(self, block: DeclaredBlock) -> dict[str, float]:
         """Its own parameters at their absent values: what adds nothing where the effect is there in another form."""
@@ -101,9 +102,10 @@ def _of_the_block(block: DeclaredBlock) -> tuple[Candidate, ...]:
 FLOORS = 5
 """Floors that give from which a fit begins: those that explain most of some swings as they are."""
 
-GRIP = 2.0
+GRIP, LESS_GRIP = 2.0, 1.0
 """Friction of corners that hold [1]: more than shaking asks for, so that they slip only where they are about to leave.
-How large it is changes a stiffness by some per cent; without a limit it comes out by 15 % too high (tests)."""
+How large it is changes a stiffness by some per cent, which intervals have to bear; without a limit it comes out by 15 %
+too high."""
 
 SOFTEST = 125.0
 """Frequency of a corner on its spring [Hz] below which it is said to give, and from which it is said to bounce."""
@@ -130,6 +132,7 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
                    "compliant_base.tangential_ratio": 1.0} for k in soft),
             {"compliant_base.spread": spread, "compliant_base.friction": GRIP}, smooth=False,
             replaces_restitution=True, costly=True, scouts=("compliant_base.damping_ratio",), screened=FLOORS,
+            assumed={"compliant_base.friction": LESS_GRIP},
         )
         for label, spread in (("compliant_base", 0.0), ("compliant_base[bed]", 1.0))
     )  # fmt: skip
@@ -172,6 +175,7 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
                   for f in (200.0, 350.0, 550.0) for e in (0.3, 0.45, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9)),
             {"bouncing.friction": GRIP}, smooth=False, replaces_restitution=True, costly=True,
             scouts=("bouncing.normal_restitution",), beyond=("compliant_base.corner_stiffness", hard),
+            assumed={"bouncing.friction": LESS_GRIP},
         ),
         Candidate(
             "base_adhesion", "base_adhesion", (Parameter("base_adhesion.moment", 0.02 * moment, 0.0, 2.0 * moment),),

@@ -12,17 +12,13 @@ from studies.loop.fitting import Fit, fit
 from studies.loop.preparing import Setup
 from studies.loop.scoring import errors
 from studies.loop.settling import whole_fit, whole_fit_from_many
-from studies.loop.tracing import Round, Trial, bic
+from studies.loop.tracing import FURTHER_COSTLY, Round, Trial, bic
 
 TWIN = 12.0
 """A rival whose criterion is within this of the best cannot be told apart: odds of exp(-6) or better."""
 
 NEAR_TWIN = 400.0
 """Rivals within this after the search are fitted again to the end before they are ruled out."""
-
-
-FURTHER_COSTLY = 4
-"""Steps of such a fit where a run takes long: the search went to the end with those that come near."""
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from studies.loop.remaining import MISSED_BY_FAR, by_chance, explains, over_nois
 from studies.loop.rivals import Rival
 from studies.loop.settling import gain, reweighed, telling, whole_fit
 from studies.loop.tracing import FAR_LESS, LEAST_GAIN, PAYS, Round, Trial, pays, search, search_costly
-from studies.loop.whole_records import HINT, asked, explains_more, merged, ranked
+from studies.loop.whole_records import HINT, MISSED, asked, explains_more, merged, ranked
 
 Tell = Callable[[str], None]
 Accepted = tuple[Trial, Fit]
@@ -129,7 +129,7 @@ def _round(
     # Swings that leave nothing say nothing of a soft floor; whole records that are missed still may, and so may swings
     # of which what was accepted leaves more than what was not.
     stands, its_whole = (onto, whole) if accepted is None else accepted
-    if explains(setup, stands, its_whole):
+    if explains(setup, stands, its_whole) and not (setup.by_rotation and its_whole.rms > MISSED):
         return tried, accepted, confirmed
     floors = Round(onto, search_costly(setup.simulator, tried, tell, explained))
     found, decided = _accepted(setup, onto, whole, floors, (), tell, hint=-PAYS)

@@ -20,7 +20,7 @@ from studies.loop.model import LoopModel
 from studies.loop.parameters import Parameter
 from studies.loop.preparing import Setup
 from studies.loop.spread import variances, weighed
-from studies.loop.tracing import PAYS, Trial
+from studies.loop.tracing import FURTHER_COSTLY, PAYS, Trial
 from studies.loop.windows import Window
 
 Array = NDArray[np.float64]
@@ -171,8 +171,24 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
     model = whole.model.changed(known)
     leans = fit_records(setup.simulator, model, [], whole.windows, iterations=4)
     scale = np.array([p.slope(known[p.name]) for p in parameters])
-    widened = _disagreement(fits, covariances) * joint * np.outer(scale, scale)
+    joint = _disagreement(fits, covariances) * joint + _by_what_is_assumed(setup, trial)
+    widened = joint * np.outer(scale, scale)
     return Settled(leans, names, np.asarray(widened, dtype=np.float64))
+
+
+def _by_what_is_assumed(setup: Setup, trial: Trial) -> Array:
+    """What numbers that were taken for known add to the covariance, in scales of the parameters.
+
+    Each is put at its other value, and the swings fitted again: so far apart estimates may be.
+    """
+    swing, added = trial.swing, np.zeros((len(trial.every), len(trial.every)))
+    for part in trial.parts:
+        for name, value in part.assumed.items():
+            model = swing.model.changed({name: value})
+            other = fit(setup.simulator, model, trial.every, swing.windows, iterations=FURTHER_COSTLY)
+            apart = np.array([p.inner(other.model.get(p.name)) - p.inner(swing.model.get(p.name)) for p in trial.every])
+            added += np.outer(apart, apart)
+    return added
 
 
 def _spoilt(setup: Setup, joined: LoopModel, swings: LoopModel, best: Fit) -> bool:

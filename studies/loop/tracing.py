@@ -48,6 +48,9 @@ SOME_COSTLY = 16
 MOST_COSTLY = 3
 """Candidates on top of a trial whose runs take long that are fitted to all windows: those that explain most on some."""
 
+FURTHER_COSTLY = 4
+"""Steps of a fit that is ended again where a run takes long: the search went to the end with those that come near."""
+
 SCOUTED = 2
 """Starts of a candidate with scouts from which all of its parameters are fitted."""
 

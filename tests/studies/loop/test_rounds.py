@@ -194,6 +194,13 @@ def test_floors_are_tried_after_all_where_records_are_missed(stubs):
     assert [t.names for t in tried.trials] == [("tilt",), ("floor",)]
 
 
+@pytest.mark.parametrize(("rms", "asked"), [(1.29, []), (1.31, ["floor"])])
+def test_floors_are_tried_after_all_where_swings_are_explained_and_whole_records_are_not_met(stubs, rms, asked):
+    """Something cheaper may stand in for a floor in the swings, but for the end of records hardly."""
+    one_round(rms, rms)
+    assert stubs.tried == asked
+
+
 def test_floors_are_tried_after_all_where_what_stands_leaves_something_in_the_swings(stubs):
     _, accepted, _ = one_round(1.5, 1.5, onto=trial("", 1000.0, 1.2))
     assert stubs.tried == ["floor"] and accepted[0] is FLOOR

@@ -181,7 +181,7 @@ def test_where_estimates_do_not_go_together_the_minimum_counts_that_swings_bear(
         return SimpleNamespace(model=model, parameters=parameters, values=values, windows=(), chi2=900.0)
 
     swing, minimum = at(2.0, c, k), at(2.6, c, k)
-    trial: Any = SimpleNamespace(swing=swing, every=(c, k), costly=True)
+    trial: Any = SimpleNamespace(swing=swing, every=(c, k), costly=True, parts=())
     setup: Any = SimpleNamespace(by_rotation=True, simulator=None, noisy=None)
     covariances = {id(swing): np.diag([0.04, 0.01]), id(minimum): np.diag([0.09, 0.03])}
     deep = why == "other minima are as deep"
@@ -216,3 +216,22 @@ def test_what_an_estimate_does_not_show_is_as_wide_as_the_others_say() -> None:
     np.testing.assert_allclose(np.diag(joint), [0.005, 0.2, np.inf])
     alone = settling._in_its_place(("a", "b", "c"), joint, one, covariances[0])
     np.testing.assert_allclose(np.diag(alone), [0.01, 0.2, np.inf])
+
+
+def test_what_is_taken_for_known_widens_the_interval_by_how_far_it_carries_the_estimate(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Swings refitted with the other value of what was assumed: as far apart as that is, one standard deviation."""
+    asked = []
+
+    def fit(simulator: Any, model: Any, parameters: Any, windows: Any, **how: Any) -> Any:
+        asked.append((model.get("grip"), how["iterations"]))
+        return SimpleNamespace(model=model.changed({"k": 3.0, "c": 4.8}))
+
+    monkeypatch.setattr(settling, "fit", fit)
+    parts = (SimpleNamespace(assumed={}), SimpleNamespace(assumed={"grip": 1.0}))
+    swing = SimpleNamespace(model=Model(k=2.0, c=5.0, grip=2.0), windows=())
+    trial: Any = SimpleNamespace(swing=swing, parts=parts, every=(Parameter("c", 1.0), Parameter("k", 1.0)))
+    added = settling._by_what_is_assumed(SimpleNamespace(simulator=None), trial)  # type: ignore[arg-type]
+    np.testing.assert_allclose(added, [[0.04, -0.2], [-0.2, 1.0]], atol=1e-12)
+    assert asked == [(1.0, settling.FURTHER_COSTLY)]
