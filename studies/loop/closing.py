@@ -145,8 +145,8 @@ def close(
         twins(rivals, named.trial), tuple(rounds), named.rounds or tuple(rounds[:1]), all_errors, median(floors),
         intervals(chosen, after),
         (
-            *setup.notes, *_of_the_search(path, stands), *named.said, *said, *_of_forms(rivals), *unlearned,
-            *_unseen(setup),
+            *setup.notes, *_of_the_search(path, stands), *named.said, *said, *_of_forms(rivals),
+            *_of_what_is_assumed(chosen), *unlearned, *_unseen(setup),
         ),
         after,
     )  # fmt: skip
@@ -350,6 +350,16 @@ def _of_forms(rivals: Sequence[Rival]) -> tuple[str, ...]:
     return tuple(
         f"{readable(mine)} or {readable(its).lower()}: these data do not tell which of these forms the effect has"
         for mine, its in other_forms(rivals)
+    )
+
+
+def _of_what_is_assumed(chosen: Trial) -> tuple[str, ...]:
+    """What is to be said of numbers that were taken for known."""
+    return tuple(
+        f"{name} was not fitted but taken as {chosen.swing.model.get(name):g}; intervals reach as far as "
+        f"{other:g} would carry the estimates"
+        for part in chosen.parts
+        for name, other in part.assumed.items()
     )
 
 

@@ -1,34 +1,17 @@
 """One round of the loop: what is put off, when it is tried after all, and which rivals are kept; all fits are stubs."""
 
 import math
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from studies.campaigns import DeclaredBlock
-from studies.loop import closing, learning, remaining, rounds, settling, tracing, whole_records
-from studies.loop.learning import terms
-from studies.loop.rivals import Rival, other_forms, twins
+from studies.loop import remaining, rounds, settling, tracing, whole_records
 from studies.loop.settling import gain, where_told
 from studies.loop.tracing import Round, search
 from studies.loop.whole_records import explains_more
 
-
-def whole(*rms):
-    """A fit on whole records of 50 samples each, missed by so many deviations."""
-    windows = tuple(SimpleNamespace(theta_sd=0.0) for _ in rms)
-    residuals = tuple(np.full(50, value) for value in rms)
-    values = np.array(rms)
-    return SimpleNamespace(
-        model=None,
-        by_window=values,
-        residuals=residuals,
-        windows=windows,
-        samples=50 * len(rms),
-        rms=math.sqrt(np.mean(values**2)),
-    )
+from .stubs import FLOOR, PLAIN, TILT, rival, trial, whole
 
 
 def test_records_lost_in_both_count_where_an_effect_mends_most_of_them():
@@ -100,19 +83,6 @@ def test_what_is_noise_to_either_of_two_fits_counts_as_noise(monkeypatch):
     assert all(np.array_equal(sds, [np.ones(50), np.full(50, 30.0)]) for sds in seen) and len(seen) == 4
 
 
-def trial(name, chi2, over, *, costly=False, slips=False):
-    """A trial whose swings leave `over` times the noise."""
-    part = SimpleNamespace(costly=costly, slips=slips, in_swings=True, effect=name)
-    swing = SimpleNamespace(chi2=chi2, over=over, parameters=(), samples=1000)
-    parts = (part,) if name else ()
-    return SimpleNamespace(names=(name,) if name else (), effects=(name,), parts=parts, swing=swing, costly=costly)
-
-
-PLAIN = trial("", 1000.0, 0.99)
-FLOOR = trial("floor", 900.0, 0.97, costly=True)
-TILT = trial("tilt", 980.0, 0.99)
-
-
 @pytest.fixture
 def stubs(monkeypatch):
     """A round in which `tilt` is tried at once and `floor` put off; whole records as each case has them."""
@@ -171,10 +141,6 @@ def test_what_swings_pay_for_is_accepted_where_whole_records_say_nothing(stubs, 
     assert (found[0] is not None) is accepted
 
 
-def rival(made, criterion, found):
-    return Rival(made, found, criterion, math.nan, math.nan)
-
-
 def one_round(*rms, by_rotation=True, onto=PLAIN):
     setup = SimpleNamespace(simulator=None, by_rotation=by_rotation)
     return rounds._round(setup, onto, whole(*rms), (), lambda text: None)
@@ -228,71 +194,6 @@ def test_rivals_of_both_passes_are_kept(stubs, monkeypatch, criterion, left, fir
     assert [r.refused for r in rivals] == [False, left != 5.0]
     # Floors are put to whole records whatever swings say of them, other effects where these hint at them.
     assert stubs.asked == [whole_records.HINT, -rounds.PAYS]
-
-
-def test_what_whole_records_refused_does_not_come_back_as_a_rival(monkeypatch):
-    """The cheaper trial leaves a little less of the swings than the floor that whole records brought in."""
-    monkeypatch.setattr(closing, "explains_more", lambda _, one, other: one.rms < other.rms)
-    floor, tilt = rival(FLOOR, 900.0, whole(1.0, 1.2)), rival(TILT, 890.0, whole(30.0, 40.0))
-    bed = rival(trial("bed", 905.0, 0.98, costly=True), 905.0, whole(1.5, 1.6))
-    setup = SimpleNamespace(by_rotation=True)
-    kept = closing._borne_out(setup, (tilt, floor, bed), FLOOR, floor.whole)
-    assert [r.trial.names[-1] for r in kept] == ["floor", "bed"]
-
-
-@pytest.mark.parametrize(
-    ("criterion", "left", "by_rotation", "kept", "alike"),
-    [
-        # Swings prefer the mass by a little, whole records refuse it: it is a twin, and not the answer.
-        (895.0, 30.0, True, [("tilt", False), ("mass", False)], (("tilt", "mass"),)),
-        # Swings prefer it by far: the two disagree, and it is no twin.
-        (850.0, 30.0, True, [("tilt", False), ("mass", True)], ()),
-        (895.0, 1.0, True, [("mass", False), ("tilt", False)], (("mass", "tilt"),)),
-        # Swings prefer the tilt by a little, whole records the mass by far: of twins they say which comes first.
-        (905.0, 0.3, True, [("mass", False), ("tilt", False)], (("mass", "tilt"),)),
-        (905.0, 0.3, False, [("tilt", False), ("mass", False)], (("tilt", "mass"),)),
-        # It is no twin, and swings have said enough.
-        (930.0, 0.3, True, [("tilt", False), ("mass", False)], ()),
-        # Accelerometers hang too finely on the ends of whole records to ask these.
-        (895.0, 30.0, False, [("mass", False), ("tilt", False)], (("mass", "tilt"),)),
-    ],
-)
-def test_what_whole_records_refuse_does_not_come_first(monkeypatch, criterion, left, by_rotation, kept, alike):
-    monkeypatch.setattr(closing, "explains_more", lambda _, one, other: one.rms < 0.5 * other.rms)
-    monkeypatch.setattr(closing, "twins_from_many", lambda _, rivals, whole: rivals)  # no start is better here
-    tilt = rival(TILT, 900.0, whole(1.0, 1.2))
-    mass = rival(trial("mass", criterion, 1.0), criterion, whole(left, left))
-    found = closing._borne_out(SimpleNamespace(by_rotation=by_rotation), (mass, tilt), TILT, tilt.whole)
-    assert [(r.trial.names[-1], r.refused) for r in found] == kept
-    assert twins(found) == alike
-
-
-def test_what_whole_records_refused_is_no_twin():
-    """Its criterion is the lower one, of what is predictable; one that they do not refuse cannot be told apart."""
-    first = Rival(TILT, None, 100.0, 900.0, 0.1)
-    slide, lag = (Rival(trial(name, 0.0, 1.0), None, 99.0, 5000.0, 0.1, True) for name in ("slide", "lag"))
-    assert twins((first, slide, lag)) == ()
-    assert twins((first, slide, replace(lag, refused=False))) == (("tilt", "lag"),)
-
-
-def test_another_form_that_fits_as_well_is_said_and_one_that_fits_worse_is_not():
-    def of(name, criterion, refused=False):
-        parts = (SimpleNamespace(effect="tilt"), SimpleNamespace(effect=name.partition("[")[0]))
-        there = SimpleNamespace(names=("tilt", name), effects=tuple(p.effect for p in parts))
-        return Rival(there, None, criterion, 0.0, 0.1, refused)
-
-    first = of("slide", 100.0)
-    assert other_forms(()) == () == other_forms((first,))
-    found = (
-        first,
-        of("slide[ratio]", 111.0),
-        of("slide[far]", 113.0),
-        of("slide[refused]", 101.0, True),
-        of("lag", 101.0),
-    )
-    assert other_forms(found) == (("slide", "slide[ratio]"),)
-    [said] = closing._of_forms(found)
-    assert said.startswith("Slide or slide (ratio): these data do not tell which")
 
 
 def _hint(name, bic_of_swings, after=""):
@@ -429,246 +330,6 @@ def test_what_explained_far_too_little_by_itself_is_not_tried_on_top_of_others(m
     assert [c.name for c in begun[0].put_off] == ["hard", "soft"]
 
 
-@pytest.mark.parametrize(
-    "verdict, rms, ends, said",
-    [
-        ("effect", (1.0, 1.1, 1.0), "effect", ""),
-        ("effect", (1.0, 9.0, 8.0), "effect", "2 of 3 whole records are missed by more than 3 times their noise"),
-        ("none", (1.0, 9.0, 8.0), "unexplained", "whole records are missed by 7.0 times"),
-        ("unexplained", (1.0, 9.0, 8.0), "unexplained", ""),
-    ],
-)
-def test_whole_records_that_are_missed_are_said(verdict, rms, ends, said):
-    found, notes = closing._of_whole_records(SimpleNamespace(by_rotation=True), TILT, verdict, whole(*rms), ())
-    assert found == ends and len(notes) == bool(said) and said in "".join(notes)
-    _, notes = closing._of_whole_records(SimpleNamespace(by_rotation=True), TILT, verdict, whole(*rms), {"tilt"})
-    assert "settle on tilt" in notes[0]
-
-
-@pytest.mark.parametrize(("rms", "ends"), [((1.0, 1.0, 9.0, 8.0), "effect"), ((1.0, 9.0, 8.0), "unexplained")])
-def test_what_whole_records_alone_speak_for_has_to_explain_most_of_them(rms, ends):
-    setup = SimpleNamespace(by_rotation=True)
-    assert closing._of_whole_records(setup, TILT, "effect", whole(*rms), {"tilt"})[0] == ends
-    # Of an effect that swings show, records that are lost do not speak against it.
-    assert closing._of_whole_records(setup, TILT, "effect", whole(*rms), {"lag"})[0] == "effect"
-    both = SimpleNamespace(names=("drag", "tilt"))
-    assert closing._of_whole_records(setup, both, "effect", whole(*rms), {"tilt"})[0] == "effect"
-
-
-def explained_trial(chi2, *effects):
-    parts = tuple(SimpleNamespace(effect=effect, slips=False, costly=False) for effect in effects)
-    swing = SimpleNamespace(
-        chi2=chi2, parameters=effects, samples=10_000, model=SimpleNamespace(declared=None), windows=()
-    )
-    return SimpleNamespace(names=effects, effects=effects, parts=parts, swing=swing, costly=False)
-
-
-@pytest.mark.parametrize(
-    ("named", "better", "rms", "ends"),
-    [
-        # A coefficient may be an effect with a name: a tie is the name's, though the term has a parameter less.
-        (("rounded_edges", "viscous_damping"), 40.0, 1.0, "effect"),
-        (("rounded_edges", "viscous_damping"), 80.0, 1.0, "unexplained"),
-        # Speeds and pauses fall together in a decay: one that explains far more is the better answer.
-        (("velocity_dependent_restitution",), 40.0, 1.0, "effect"),
-        (("velocity_dependent_restitution",), 250.0, 1.0, "unexplained"),
-        # Swings do not tell them apart, but the name misses whole records, and the other one meets them.
-        (("velocity_dependent_restitution",), 40.0, 3.0, "unexplained"),
-        (("velocity_dependent_restitution",), -40.0, 3.0, "unexplained"),
-        (("velocity_dependent_restitution",), -250.0, 3.0, "effect"),
-        # Not a law of what is lost.
-        (("base_tilt",), 250.0, 3.0, "effect"),
-    ],
-)
-def test_what_was_learned_takes_the_place_of_names_where_it_explains_far_more(monkeypatch, named, better, rms, ends):
-    plain, found = explained_trial(20_000.0), explained_trial(9_000.0, *named)
-    other = explained_trial(9_000.0 - better, "learned_memory")
-    monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.0)
-    monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
-    monkeypatch.setattr(closing, "by_chance", lambda setup, trial: False)
-    monkeypatch.setattr(closing, "memories", lambda block, windows: ())
-    monkeypatch.setattr(closing, "profiles", lambda block, windows: ())
-    monkeypatch.setattr(closing, "whole_fit", lambda setup, trial, whole: whole)
-    monkeypatch.setattr(closing, "explains_more", lambda setup, one, other: True)
-    monkeypatch.setattr(closing, "search", lambda *_: Round(plain, [other]))
-    monkeypatch.setattr(closing, "terms", lambda block: ())
-    monkeypatch.setattr(closing, "hinted", lambda setup, onto, bare, tried: ())
-    monkeypatch.setattr(
-        closing, "learn", lambda simulator, onto, tell, rival=None, going_on=True: other if onto is plain else onto
-    )
-    setup = SimpleNamespace(by_rotation=True, simulator=None, records=[])
-    chosen, verdict = closing._explained(setup, plain, None, found, SimpleNamespace(rms=rms), lambda text: None)
-    assert verdict == ends
-    assert chosen is (found if ends == "effect" else other)
-
-
-@pytest.mark.parametrize(
-    ("named", "rms", "says", "ends"),
-    [
-        (("viscous_damping", "velocity_dependent_restitution"), 1.5, True, "unexplained"),
-        (("viscous_damping", "velocity_dependent_restitution"), 1.5, False, "effect"),
-        (("viscous_damping", "velocity_dependent_restitution"), 1.2, True, "effect"),  # they are met
-        (("viscous_damping",), 1.5, True, "unexplained"),
-        (("base_tilt", "eccentric_mass"), 1.5, True, "effect"),  # neither is a law of what is lost
-    ],
-)
-def test_a_law_that_has_no_name_is_asked_of_whole_records_that_names_miss(monkeypatch, named, rms, says, ends):
-    """Friction on one side alone hardly shows in swings, where two other losses stand for it."""
-    plain, found = explained_trial(20_000.0), explained_trial(9_000.0, *named)
-    term, asked = explained_trial(9_100.0, "learned_term"), []
-    monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.0)
-    monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
-    monkeypatch.setattr(closing, "by_chance", lambda setup, trial: True)
-    monkeypatch.setattr(closing, "memories", lambda block, windows: ())
-    monkeypatch.setattr(closing, "profiles", lambda block, windows: ())
-    monkeypatch.setattr(closing, "terms", lambda block: terms(DeclaredBlock(0.2, 0.8, 0.4, 40.0)))
-    monkeypatch.setattr(closing, "explains_more", lambda setup, one, other: says and one == "its")
-
-    def search(simulator, onto, pool, tell):
-        asked.extend(c.name for c in pool)
-        return Round(onto, [term] if pool else [])
-
-    def hinted(setup, onto, bare, tried):
-        assert (onto, bare, tried.trials) == (plain, "bare", [term])
-        return (SimpleNamespace(trial=term, whole="its"),)
-
-    monkeypatch.setattr(closing, "search", search)
-    monkeypatch.setattr(closing, "hinted", hinted)
-    setup = SimpleNamespace(by_rotation=True, simulator=None, records=[])
-    chosen, verdict = closing._explained(setup, plain, "bare", found, SimpleNamespace(rms=rms), lambda text: None)
-    assert verdict == ends and chosen is (term if ends == "unexplained" else found)
-    if asked:
-        assert "learned[friction by side]" in asked and "learned[damping]" not in asked
-
-
-@pytest.mark.parametrize(
-    ("effect", "rms", "by_rotation", "ends"),
-    [
-        ("learned_curve", 7.5, True, "near upright"),
-        ("learned_curve", 1.2, True, "smooth"),
-        ("learned_curve", 7.5, False, "smooth"),
-        ("learned_mode", 7.5, True, "smooth"),
-    ],
-)
-def test_whole_records_choose_among_forms_that_swings_hardly_tell_apart(monkeypatch, effect, rms, by_rotation, ends):
-    """As measured on a magnet near upright: 4666, 4670 and 4654 of swings, 7.5, 0.95 and 4.3 of whole records."""
-    forms = {"smooth": (4666.0, rms), "near upright": (4670.0, 0.95), "fine": (4654.0, 4.3), "far": (9000.0, 0.5)}
-
-    def form(name):
-        part = SimpleNamespace(name=name, effect=effect)
-        swing = SimpleNamespace(chi2=forms[name][0], parameters=(), samples=4900)
-        return SimpleNamespace(names=("tilt", name), parts=(None, part), swing=swing, costly=False)
-
-    def alike(simulator, less, found, tell):
-        assert less == ("without", 1) and found.names[-1] == "smooth"
-        return [form("near upright"), form("fine")]
-
-    monkeypatch.setattr(closing, "taken_out", lambda setup, plain, found, k: ("without", k))
-    monkeypatch.setattr(closing, "alike", alike)
-    monkeypatch.setattr(closing, "whole_fit", lambda setup, t: SimpleNamespace(rms=forms[t.names[-1]][1]))
-    monkeypatch.setattr(closing, "explains_more", lambda setup, one, other: one.rms < other.rms)
-    setup = SimpleNamespace(by_rotation=by_rotation, simulator=None)
-    found, whole = closing._shaped(setup, None, form("smooth"), lambda text: None)
-    assert found.names[-1] == ends and whole.rms == forms[ends][1]
-
-
-def test_alike_is_what_swings_hardly_tell_from_what_was_learned(monkeypatch):
-    def form(name, chi2):
-        swing = SimpleNamespace(chi2=chi2, parameters=(), samples=4900)
-        return SimpleNamespace(name=name, parts=(SimpleNamespace(name=name),), swing=swing)
-
-    found = form("smooth", 4666.0)
-    tried = [form("far", 4727.0), form("near upright", 4670.0), form("fine", 4654.0)]
-    pool = [SimpleNamespace(name=name) for name in ("smooth", "fine")]
-    monkeypatch.setattr(learning, "_at_hand", lambda onto: pool)
-    monkeypatch.setattr(learning, "open_to", lambda onto, among: list(among))
-
-    def search(simulator, onto, among, tell, repeated):
-        assert onto == "less" and [c.name for c in among] == ["fine"] and repeated
-        return SimpleNamespace(trials=tried)
-
-    monkeypatch.setattr(learning, "search", search)
-    assert [t.name for t in learning.alike(None, "less", found, None)] == ["fine", "near upright"]
-
-
-def test_what_only_undoes_an_effect_is_not_learned(monkeypatch):
-    """Whole records brought an effect in that the swings are no better for: a term that takes it back is none."""
-    plain, found, other = (
-        explained_trial(8_950.0),
-        explained_trial(9_050.0, "lag"),
-        explained_trial(8_940.0, "learned_term"),
-    )
-    monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.04)
-    monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
-    monkeypatch.setattr(closing, "unexplained", lambda setup: 1.05)
-    monkeypatch.setattr(closing, "learn", lambda _, onto, *__, **___: plain if onto is plain else other)
-    setup, met = SimpleNamespace(simulator=None, records=[]), SimpleNamespace(rms=1.0)
-    assert closing._explained(setup, plain, None, found, met, lambda text: None) == (found, "effect")
-
-
-def test_nothing_is_learned_where_two_effects_leave_what_noise_leaves(monkeypatch):
-    plain, found = explained_trial(20_000.0), explained_trial(9_000.0, "rounded_edges", "viscous_damping")
-    monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.01)
-    monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
-    asked = []
-    monkeypatch.setattr(closing, "learn", lambda *_, **__: asked.append(1) or plain)
-    for by_chance, learned in ((True, 0), (False, 2)):
-        monkeypatch.setattr(closing, "by_chance", lambda setup, trial, is_so=by_chance: is_so)
-        setup = SimpleNamespace(simulator=None, records=[], by_rotation=True)
-        whole = SimpleNamespace(rms=1.0)
-        assert closing._explained(setup, plain, None, found, whole, lambda text: None) == (found, "effect")
-        assert len(asked) == learned
-
-
-@pytest.mark.parametrize(("rms", "by_rotation", "learned"), [(1.29, True, 0), (1.31, True, 2), (1.29, False, 2)])
-def test_of_a_block_that_slips_whole_records_say_whether_two_effects_leave_anything(
-    monkeypatch, rms, by_rotation, learned
-):
-    plain, found = explained_trial(20_000.0), explained_trial(9_000.0, "sliding", "viscous_damping")
-    for part in found.parts:
-        part.slips = part.effect == "sliding"
-    monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.01)
-    monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
-    asked = []
-    monkeypatch.setattr(closing, "learn", lambda *_, **__: asked.append(1) or plain)
-    setup = SimpleNamespace(simulator=None, records=[], by_rotation=by_rotation)
-    whole = SimpleNamespace(rms=rms)
-    assert closing._explained(setup, plain, None, found, whole, lambda text: None) == (found, "effect")
-    assert len(asked) == learned
-
-
-def noise_alone(rng, windows, of, slips=False, noise=1e-4):
-    """A trial that leaves noise alone of each of its windows: each has fitted two states of its own."""
-    record = SimpleNamespace(test=0, noise=1e-6, channels=(SimpleNamespace(noise=noise),))
-    residuals = tuple(rng.standard_normal(of) for _ in range(windows))
-    for r in residuals:
-        r[:2] = 0.0
-    swing = SimpleNamespace(
-        windows=(SimpleNamespace(theta=0.1, test=0),) * windows,
-        residuals=residuals,
-        parameters=(),
-        samples=windows * of,
-    )
-    parts = (SimpleNamespace(slips=slips),)
-    return SimpleNamespace(records=[record]), SimpleNamespace(swing=swing, parts=parts)
-
-
-def test_noise_alone_leaves_by_chance_what_its_distribution_says():
-    """One sum of squares in 44 is beyond two standard deviations: of 500 sets 11.4, give or take 3.3."""
-    rng = np.random.default_rng(20)
-    sets = [noise_alone(rng, 40, 40) for _ in range(500)]
-    beyond = sum(not remaining.by_chance(setup, trial) for setup, trial in sets)
-    assert 11.4 - 3 * 3.3 < beyond < 11.4 + 3 * 3.3
-    setup, trial = sets[0]
-    assert remaining.by_chance(setup, trial)
-    larger = SimpleNamespace(**{**vars(trial.swing), "residuals": tuple(1.05 * r for r in trial.swing.residuals)})
-    assert not remaining.by_chance(setup, SimpleNamespace(swing=larger, parts=trial.parts))
-    # An estimated noise was taken from the same records; of what slips a median is known alone.
-    rng = np.random.default_rng(20)
-    assert not remaining.by_chance(*noise_alone(rng, 40, 40, noise=None))
-    assert not remaining.by_chance(*noise_alone(rng, 40, 40, slips=True))
-
-
 def test_a_round_that_is_known_is_not_searched_again(stubs):
     setup = SimpleNamespace(simulator=None, by_rotation=True)
     quiet = lambda text: None  # noqa: E731
@@ -681,11 +342,3 @@ def test_a_round_that_is_known_is_not_searched_again(stubs):
     found, accepted, _ = rounds._round(setup, known.onto, whole(30.0, 40.0), (), quiet, known)
     assert found is known and stubs.explained is None  # `search` was not asked
     assert stubs.tried == ["floor"] and accepted[0] is FLOOR
-
-
-@pytest.mark.parametrize(("fits", "carries"), [((0.0011, 0.0026), False), ((0.0048, 0.0012), True)])
-def test_what_was_learned_of_swings_has_to_bring_whole_records_nearer(monkeypatch, fits, carries):
-    error = dict(zip(("before", "after"), fits, strict=True))
-    monkeypatch.setattr(closing, "errors", lambda setup, model, windows: SimpleNamespace(fit=error[model]))
-    before, after = (SimpleNamespace(whole=SimpleNamespace(model=name, windows=())) for name in error)
-    assert closing._carries(None, before, after) is carries
