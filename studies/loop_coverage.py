@@ -13,7 +13,6 @@ from __future__ import annotations
 import argparse
 import csv
 import json
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,6 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from excitation import _early
 from studies.campaigns import read
 from studies.laboratory.effects import NAMED, SPOKEN
 from studies.laboratory.parameters import G
@@ -29,13 +27,14 @@ from studies.loop.preparing import as_declared, prepare
 from studies.loop.settling import intervals, settle, whole_fit
 from studies.loop.tracing import all_candidates, baseline, search
 from studies.loop_trials import Case, made
-from studies.running.command_line import said_of
+from studies.running.command_line import run
 from studies.running.files import save_text, writable_folder, write_whole
 from studies.running.lock import alone
 
 OUT = Path("build/studies/loop_coverage")
 COLUMNS = ("effect", "seed", "form", "parameter", "planted", "found", "low", "high", "z", "held")
 IN_95 = 1.96
+KEPT = "campaigns that were fitted are kept, the same command goes on"
 NOT_IN_SWINGS = ("base_adhesion",)
 """Effects that no swing shows: the loop finds them by scanning whole records alone."""
 
@@ -108,22 +107,9 @@ def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
     return options
 
 
-def main(given: Sequence[str] | None = None) -> int:
-    """Run the command; 1 if it cannot be written, 130 on Ctrl-C."""
-    kept = "campaigns that were fitted are kept, the same command goes on"
-    _early.loaded()
+def main(given: Sequence[str] | None = None) -> None:
+    """Run the command."""
     options = arguments(given)
-    try:
-        return _run(options)
-    except OSError as error:
-        print(f"error: {said_of(error, kept)}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print(f"interrupted: {kept}", file=sys.stderr)
-        return 130
-
-
-def _run(options: argparse.Namespace) -> int:
     out = writable_folder(options.out)
     seeds = range(options.first_seed, options.first_seed + options.seeds)
     cases = [Case((e,), seed, "strong", "rotation", ()) for seed in seeds for e in options.effects]
@@ -151,7 +137,6 @@ def _run(options: argparse.Namespace) -> int:
             writer.writerows({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in r.items()} for r in rows)
 
     write_whole(out / "loop_coverage.csv", write)
-    return 0
 
 
 def _kept_or_fitted(case: Case, folder: Path) -> list[dict[str, Any]]:
@@ -171,4 +156,4 @@ def _kept_or_fitted(case: Case, folder: Path) -> list[dict[str, Any]]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run(main, KEPT)
