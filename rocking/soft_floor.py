@@ -17,7 +17,7 @@ the instants in which a dashpot would have to pull and N is zero, and lets go at
 
 Source   Psycharis & Jennings (1983), Earthquake Eng. Struct. Dyn. 11, 57-76: two-spring foundation and Winkler bed with
          uplift, here without their small angles; the tangential springs are those of the distinct elements of Winkler,
-         Meguro & Yamazaki (1995), their slider in series with spring and dashpot (a body of Bingham's).
+         Meguro & Yamazaki (1995), their slider in series with spring and dashpot.
 Status   energy balance, the static sink, periods of small oscillation, the rigid limit, the history of the distinct
          element with the same contacts, and a bed of many separate springs (tests).  A block that stands on both
          corners has mode REST, on one ROTATION, on none ROTATION_JUMP; it never stands wholly still.
