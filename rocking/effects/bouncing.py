@@ -5,9 +5,8 @@ Changes     impacts at an instant: the modes, Method 2 (Ishiyama's six) in place
             corner (`rocking.soft_floor`), along the floor as strong as friction lets them be
 Parameters  normal_restitution e_n [1], 0 where it is absent; it takes the place of restitution.  friction mu [1],
             infinite where it is absent.  contact_frequency f [Hz] of a corner on its spring, infinite where impacts
-            happen at an instant.  tangential_ratio [1], its stiffness along the
-            floor over that normal to it: 20 unless given, with which it is all but held; without effect where impacts
-            happen at an instant
+            happen at an instant.  tangential_ratio [1], its stiffness along the floor over that normal to it: 20 unless
+            given, with which it is all but held; without effect where impacts happen at an instant
 Use when    short blocks or stiff floors: after an impact the corner is seen to lift, or the block rattles.  With f a
             corner may bounce while the other one is still in contact; what a swing of a slender block loses is then
             much the same for a higher f and a lower e_n
@@ -70,9 +69,19 @@ class Bouncing(Effect):
         """The block on a spring and a dashpot under each corner.
 
         Raises:
-            ValueError: the springs are so soft that the block cannot stand, or it has an effect that these equations
-                do not have.
+            ValueError: the springs are so soft that the block cannot stand, friction and normal restitution do not go
+                together, or the block has an effect that these equations do not have.
         """
+        if self.friction == 0.0:
+            raise ValueError(
+                f"bouncing.friction={self.friction!r}: want more than 0 beside bouncing.contact_frequency="
+                f"{self.contact_frequency!r} Hz, or inf where the corners are held"
+            )
+        if self.friction < math.inf and self.normal_restitution == 1.0:
+            raise ValueError(
+                f"bouncing.normal_restitution=1.0: want less than 1 beside bouncing.friction={self.friction!r} and a "
+                "contact_frequency, for a corner that slips takes a dashpot"
+            )
         form = system.form
         felt = form.mass / (1.0 + form.half_breadth**2 / form.rho2)  # of the block at a corner, normal to the floor
         stiffness = felt * (2.0 * math.pi * self.contact_frequency) ** 2

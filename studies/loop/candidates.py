@@ -104,8 +104,8 @@ FLOORS = 5
 
 GRIP, LESS_GRIP = 2.0, 1.0
 """Friction of corners that hold [1]: more than shaking asks for, so that they slip only where they are about to leave.
-How large it is changes a stiffness by some per cent, which intervals have to bear; without a limit it comes out by 15 %
-too high."""
+Where it is 0.7 a stiffness comes out by 3 to 9 % too high, that of a hard contact by far more, of which intervals bear
+what `LESS_GRIP` would change; without a limit soft floors came out by 5 to 20 % too stiff (docs/physics/loop.md)."""
 
 SOFTEST = 125.0
 """Frequency of a corner on its spring [Hz] below which it is said to give, and from which it is said to bounce."""

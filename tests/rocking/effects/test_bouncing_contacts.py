@@ -92,8 +92,10 @@ def test_what_it_goes_together_with():
 
 
 def test_bad_numbers_are_named():
-    with pytest.raises(ValueError, match=r"friction=0\.0: want more than 0, or inf where the corners are held"):
+    with pytest.raises(ValueError, match=r"bouncing\.friction=0\.0: want more than 0 beside bouncing\.contact"):
         compose(METHOD, parse(["bouncing.friction=0", "bouncing.contact_frequency=250"]))
+    with pytest.raises(ValueError, match=r"bouncing\.normal_restitution=1\.0: want less than 1 beside"):
+        compose(METHOD, [load("bouncing")(normal_restitution=1.0, friction=0.5, contact_frequency=250.0)])
     with pytest.raises(ValueError, match=r"bouncing\.contact_frequency=-1\.0 Hz: want 0 to inf"):
         parse(["bouncing.contact_frequency=-1"])
     for soft in (0.0, 0.3):
