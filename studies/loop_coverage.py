@@ -50,7 +50,8 @@ def fitted(case: Case, folder: Path) -> list[dict[str, Any]]:
     setup = prepare(campaign, as_declared(campaign, G))
     plain = baseline(setup.simulator, setup.start, setup.swings)
     effect = SPOKEN.get(case.effects[0], case.effects[0])
-    tried = search(setup.simulator, plain, [c for c in all_candidates(plain.swing.model) if c.effect == effect])
+    known = all_candidates(plain.swing.model, campaign.conditions.friction)
+    tried = search(setup.simulator, plain, [c for c in known if c.effect == effect])
     if tried.best is None:
         raise ValueError(f"{case.name}: {'; '.join(f'{form}: {why}' for form, why in tried.skipped.items())}")
     settled = settle(setup, tried.best, whole_fit(setup, tried.best))

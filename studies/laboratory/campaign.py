@@ -227,6 +227,7 @@ def make_campaign(
     plans = plan_tests(rng, ideal, rate, odd)
     draws = [draw(rng) for _ in effects]
     slipping = 0.7 if rng.uniform() < 0.6 else None
+    ideal = ideal if slipping is None else replace(ideal, grip=slipping)
     noted = round(float(restitution + rng.normal(0.0, 0.008)), 3) if rng.uniform() < 0.5 else None
     lab, parameters, model, before, floor, k = tuned(seed, effects, ideal, plans, bench, draws, strength)
     if "overturns" in odd:

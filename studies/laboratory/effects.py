@@ -31,6 +31,10 @@ class Sensors:
     base_lag: float = 0.0  # s, how late the record is
 
 
+GRIPS = 1.4
+"""Friction of corners on springs where none is declared: they slip where they are about to leave, and hardly else."""
+
+
 @dataclass(frozen=True)
 class Lab:
     """Everything that decides what a record says."""
@@ -40,6 +44,7 @@ class Lab:
     sensors: Sensors = field(default_factory=Sensors)
     engine: str = "event"
     wear: float = 0.0  # loss of restitution from one test to the next
+    grip: float = GRIPS  # friction of corners on springs
 
 
 @dataclass(frozen=True)
@@ -137,16 +142,13 @@ def vertical_motion(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
 HOLDS = 2.0
 """Friction that is more than any shaking asks for."""
 
-GRIPS = 1.4
-"""Friction of corners on springs: they slip where they are about to leave, and hardly else."""
-
 
 def compliant_base(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     """Two springs with dashpots."""
     lab = _in("contact", lab)
     stiffness, damping = _soft(lab, d, k)
     give = _give(lab, d)
-    soft = _world(lab, stiffness=stiffness, damping=damping, springs=2.0, friction=GRIPS, give=give)
+    soft = _world(lab, stiffness=stiffness, damping=damping, springs=2.0, friction=lab.grip, give=give)
     return soft, {"corner_stiffness": stiffness, "tangential_ratio": 1.0 / give}
 
 
@@ -155,7 +157,7 @@ def winkler_bed(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     lab = _in("contact", lab)
     stiffness, damping = _soft(lab, d, k)
     give = _give(lab, d)
-    bed = _world(lab, stiffness=2 * stiffness, damping=2 * damping, springs=15.0, friction=GRIPS, give=give)
+    bed = _world(lab, stiffness=2 * stiffness, damping=2 * damping, springs=15.0, friction=lab.grip, give=give)
     return bed, {"corner_stiffness": stiffness, "tangential_ratio": 1.0 / give}
 
 
@@ -206,7 +208,7 @@ def bouncing(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
         stiffness=stiffness,
         damping=2 * ratio * np.sqrt(stiffness * felt),
         springs=2.0,
-        friction=GRIPS,
+        friction=lab.grip,
         give=give,
     )
     return hard, {"normal_restitution": e_n, "tangential_ratio": 1.0 / give}

@@ -76,9 +76,12 @@ def _one(
     )  # fmt: skip
 
 
-def candidates(block: DeclaredBlock) -> tuple[Candidate, ...]:
-    """All forms of all effects that the loop knows how to fit, for this block."""
-    return (*_of_the_block(block), *_of_the_contact(block), *_of_the_base(), *_of_the_sensors())
+def candidates(block: DeclaredBlock, friction: float | None = None) -> tuple[Candidate, ...]:
+    """All forms of all effects that the loop knows how to fit, for this block.
+
+    friction: of the block on its base [1], where the laboratory declares it.
+    """
+    return (*_of_the_block(block), *_of_the_contact(block, friction), *_of_the_base(), *_of_the_sensors())
 
 
 def _of_the_block(block: DeclaredBlock) -> tuple[Candidate, ...]:
@@ -103,15 +106,25 @@ FLOORS = 5
 """Floors that give from which a fit begins: those that explain most of some swings as they are."""
 
 GRIP, LESS_GRIP = 2.0, 1.0
-"""Friction of corners that hold [1]: more than shaking asks for, so that they slip only where they are about to leave.
-Where it is 0.7 a stiffness comes out by 3 to 9 % too high, that of a hard contact by far more, of which intervals bear
-what `LESS_GRIP` would change; without a limit soft floors came out by 5 to 20 % too stiff (docs/physics/loop.md)."""
+"""Friction of corners on springs [1] where none is declared: more than shaking asks for, so that they slip only where
+they are about to leave; and less, of which intervals bear what it would change.  Swings hardly tell it."""
+
+SURELY_ROCKS = 1.1
+"""Friction over b/h below which a block is taken to slide rather than to rock."""
 
 SOFTEST = 125.0
 """Frequency of a corner on its spring [Hz] below which it is said to give, and from which it is said to bounce."""
 
 
-def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
+def grips(block: DeclaredBlock, declared: float | None) -> tuple[float, float]:
+    """Friction of corners on springs, and another value of it that may be as right."""
+    if declared is None or declared < SURELY_ROCKS * math.tan(block.alpha):
+        return GRIP, LESS_GRIP
+    return declared, GRIP if declared < GRIP else LESS_GRIP
+
+
+def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candidate, ...]:
+    grip, other = grips(block, friction)
     weight = block.mass * G_STANDARD
     moment = 0.5 * weight * block.breadth
     # Corners pressed in by 8e-3 to 4e-5 of the breadth under the weight, beyond which a floor is all but rigid and runs
@@ -130,9 +143,9 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
             ),
             tuple({"compliant_base.corner_stiffness": k, "compliant_base.damping_ratio": 0.12,
                    "compliant_base.tangential_ratio": 1.0} for k in soft),
-            {"compliant_base.spread": spread, "compliant_base.friction": GRIP}, smooth=False,
+            {"compliant_base.spread": spread, "compliant_base.friction": grip}, smooth=False,
             replaces_restitution=True, costly=True, scouts=("compliant_base.damping_ratio",), screened=FLOORS,
-            assumed={"compliant_base.friction": LESS_GRIP},
+            assumed={"compliant_base.friction": other},
         )
         for label, spread in (("compliant_base", 0.0), ("compliant_base[bed]", 1.0))
     )  # fmt: skip
@@ -173,9 +186,9 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Candidate, ...]:
             ),
             tuple({"bouncing.normal_restitution": e, "bouncing.contact_frequency": f, "bouncing.tangential_ratio": 1.0}
                   for f in (200.0, 350.0, 550.0) for e in (0.3, 0.45, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9)),
-            {"bouncing.friction": GRIP}, smooth=False, replaces_restitution=True, costly=True,
+            {"bouncing.friction": grip}, smooth=False, replaces_restitution=True, costly=True,
             scouts=("bouncing.normal_restitution",), beyond=("compliant_base.corner_stiffness", hard),
-            assumed={"bouncing.friction": LESS_GRIP},
+            assumed={"bouncing.friction": other},
         ),
         Candidate(
             "base_adhesion", "base_adhesion", (Parameter("base_adhesion.moment", 0.02 * moment, 0.0, 2.0 * moment),),

@@ -49,6 +49,9 @@ LOSSES = frozenset({
 })  # fmt: skip
 """Effects on what is lost, or that together with another restitution look like one."""
 
+CLOSELY = 1.1
+"""Rms of whole records over their noise below which laws of loss with a name are not doubted."""
+
 STANDARD_GRAVITY = 9.81
 """Gravity [m/s^2] where the laboratory does not say its own."""
 
@@ -222,7 +225,8 @@ def _lost_otherwise(
     """
     if not set(named.effects) & LOSSES or named.costly or slips(named) or not setup.by_rotation:
         return None
-    met = whole.rms < MISSED
+    # Two laws of loss may stand in for a third that closely.
+    met = whole.rms < (CLOSELY if set(named.effects) <= LOSSES else MISSED)
     if met and len(named.parts) > 1:
         return None
     tell("asking whether it is lost otherwise")

@@ -20,6 +20,12 @@ TWIN = 12.0
 NEAR_TWIN = 400.0
 """Rivals within this after the search are fitted again to the end before they are ruled out."""
 
+LEFT_BY_A_RIVAL = 0.7
+"""What a rival may leave at the most, by then, of what the best one explains, beyond some `TWIN`s: where that is less
+than `NEAR_TWIN`, all that explain nothing would else be near."""
+
+SOME_TWINS = 3.0
+
 
 @dataclass(frozen=True)
 class Rival:
@@ -49,8 +55,10 @@ def near_all(setup: Setup, rounds: Sequence[Round], best: Trial, whole: Fit) -> 
 def near(setup: Setup, tried: Round, best: Trial, whole: Fit) -> tuple[Rival, ...]:
     """The chosen trial and those of its round that come near, each fitted to the end; the best first."""
     found = []
+    explained = bic(tried.onto.swing) - bic(best.swing)
+    enough = min(NEAR_TWIN, max(SOME_TWINS * TWIN, LEFT_BY_A_RIVAL * explained))
     for trial in sorted(tried.trials, key=lambda t: bic(t.swing)):
-        if trial is not best and bic(trial.swing) - bic(best.swing) > NEAR_TWIN:
+        if trial is not best and bic(trial.swing) - bic(best.swing) > enough:
             continue
         if trial is best and trial.costly:
             # The search went to the end with it, and its fit on whole records is there.

@@ -40,7 +40,7 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     Floors that give are tried where the others leave something over the noise, or whole records are missed: from the
     beginning, and on top of the first effect of a path to which the search went back.
     """
-    pool = all_candidates(plain.swing.model)
+    pool = all_candidates(plain.swing.model, setup.campaign.conditions.friction)
     if not setup.by_rotation:
         pool = tuple(c for c in pool if c.effect not in OF_THE_ROTATION_SENSOR)
     begin = Path([plain], [], [whole_fit(setup, plain)])

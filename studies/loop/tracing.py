@@ -440,27 +440,33 @@ def _ended(
 def _with_lost_found(simulator: Simulator, found: Fit) -> Fit:
     """The fit with windows that are missed by far begun again from the states that the record shows.
 
-    Without the effect their states were bent to what the block could do, and some stay in a minimum of their own.
+    Without the effect their states were bent to what the block could do, and some stay in a minimum of their own.  A
+    peak of few samples may seem to move so fast that a fit from there ends on the other side of an impact: what is told
+    of a peak for certain is that the block stands still there.
     """
     lost = np.flatnonzero(found.by_window > HUBER)
     if not lost.size:
         return found
     there = [found.windows[i] for i in lost]
-    again = fit(simulator, found.model, [], [_as_seen(found.model, w) for w in there], iterations=8)
-    now = objectives(found.model, [found.residuals[i] for i in lost], there, HUBER)
-    better = objectives(again.model, again.residuals, again.windows, HUBER) < now
-    if not better.any():
+    windows, best = there, objectives(found.model, [found.residuals[i] for i in lost], there, HUBER)
+    seen = [_as_seen(found.model, w) for w in there]
+    for starts in (seen, [w.moved(w.theta, 0.0) for w in seen]):
+        again = fit(simulator, found.model, [], starts, iterations=8)
+        now = objectives(again.model, again.residuals, again.windows, HUBER)
+        windows = [new if a < b else old for old, new, a, b in zip(windows, again.windows, now, best, strict=True)]
+        best = np.minimum(best, now)
+    if windows == there:
         return found
-    windows = list(found.windows)
-    for i, window, is_better in zip(lost, again.windows, better, strict=True):
-        windows[i] = window if is_better else windows[i]
-    whole = fit(simulator, found.model, found.parameters, windows, iterations=6)
+    every = list(found.windows)
+    for i, window in zip(lost, windows, strict=True):
+        every[i] = window
+    whole = fit(simulator, found.model, found.parameters, every, iterations=6)
     return whole if whole.chi2 < found.chi2 else found
 
 
-def all_candidates(model: LoopModel) -> tuple[Candidate, ...]:
-    """Everything that the loop can try on this block."""
-    return candidates(model.declared)
+def all_candidates(model: LoopModel, friction: float | None = None) -> tuple[Candidate, ...]:
+    """Everything that the loop can try on this block; its friction [1] where that is declared."""
+    return candidates(model.declared, friction)
 
 
 def rms_of(found: Fit) -> float:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from rocking import G_STANDARD
 from studies.campaigns import DeclaredBlock
-from studies.loop.candidates import Candidate
+from studies.loop.candidates import Candidate, grips
 from studies.loop.learning import TERM
 from studies.loop.model import DRIFT, RESTITUTION
 from studies.loop.parameters import Parameter
@@ -69,9 +69,12 @@ def _form(
     return Form(Candidate(name, effect, own, (start,), {f"{effect}.{k}": v for k, v in (fixed or {}).items()}))
 
 
-def forms(block: DeclaredBlock) -> tuple[Form, ...]:
-    """The forms of the effects that are looked for in outcomes of this block."""
-    return (*_of_the_block(block), *_of_the_contact(block), *_of_the_base(block))
+def forms(block: DeclaredBlock, friction: float | None = None) -> tuple[Form, ...]:
+    """The forms of the effects that are looked for in outcomes of this block.
+
+    friction: of the block on its base [1], where the laboratory declares it.
+    """
+    return (*_of_the_block(block), *_of_the_contact(block, friction), *_of_the_base(block))
 
 
 def _of_the_block(block: DeclaredBlock) -> tuple[Form, ...]:
@@ -84,7 +87,8 @@ def _of_the_block(block: DeclaredBlock) -> tuple[Form, ...]:
     )
 
 
-def _of_the_contact(block: DeclaredBlock) -> tuple[Form, ...]:
+def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Form, ...]:
+    grip, _ = grips(block, friction)
     weight, p, alpha = block.mass * G_STANDARD, block.p(), block.alpha
     # Angular velocity with which a block comes down that leaned by about a quarter of alpha.
     omega = 0.7 * p * alpha
@@ -96,8 +100,8 @@ def _of_the_contact(block: DeclaredBlock) -> tuple[Form, ...]:
         _form("velocity_dependent_restitution", {"slope": (-0.2 / omega, 0.2 / omega)}),
         _form("viscous_damping", {"coefficient": (0.0, 0.2 * p)}),
         _form("quadratic_drag", {"coefficient": (0.0, 0.6 / alpha)}),
-        _form("compliant_base", {"corner_stiffness": (0.2 * soft, 10.0 * soft)}, {"damping_ratio": 0.2},
-              ("corner_stiffness",)),
+        _form("compliant_base", {"corner_stiffness": (0.2 * soft, 10.0 * soft)},
+              {"damping_ratio": 0.2, "friction": grip}, ("corner_stiffness",)),
         *(_form(f"tether[{side}]", pulled, {"side": sign}, ("stiffness",))
           for side, sign in (("both", 0.0), ("right", 1.0), ("left", -1.0))),
         _form("sliding", {"friction": (0.8 * tan, 1.5 * tan)}),

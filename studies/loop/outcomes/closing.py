@@ -74,7 +74,7 @@ def close(
     declared = declared_model(campaign, g)
     tell("calibrating the ideal block")
     base = calibrated(search, declared)
-    path, rounds = _path(search, base)
+    path, rounds = _path(search, base, campaign.conditions.friction)
     chosen = densely(search, path[-1])
     # Where nothing is added the model after is the one before.
     base = base if chosen.parts else chosen
@@ -106,13 +106,16 @@ def declared_model(campaign: Campaign, g: float) -> LoopModel:
     return LoopModel(b, min(max(kept, 0.05), 1.0) if e is None else e, {}, g)
 
 
-def _path(search: Search, base: Tried) -> tuple[list[Tried], list[Round]]:
-    """What was accepted one on top of the other, the calibrated block first, and all rounds."""
+def _path(search: Search, base: Tried, friction: float | None) -> tuple[list[Tried], list[Round]]:
+    """What was accepted one on top of the other, the calibrated block first, and all rounds.
+
+    friction: of the block on its base [1], where it is declared.
+    """
     path, rounds = [base], []
     for depth in range(MOST_EFFECTS):
         # Once something is known there is less to look for.
         thrifty = replace(search, thrift=2 if depth else 1)
-        tried = traced(thrifty, path[-1], forms(path[-1].top.model.declared))
+        tried = traced(thrifty, path[-1], forms(path[-1].top.model.declared, friction))
         rounds.append(tried)
         if not tried.refined or not pays(search, tried):
             break

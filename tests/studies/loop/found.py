@@ -62,7 +62,7 @@ def _found(effects, wanted=("base_tilt", "quadratic_drag")):
     """The finding with a short list of candidates, on a campaign that was written and read."""
     with pytest.MonkeyPatch.context() as patch, TemporaryDirectory() as folder:
         few = tuple(c for c in candidates(DeclaredBlock(0.15, 0.5, 0.25, BLOCK.mass)) if c.name in wanted)
-        patch.setattr(searching, "all_candidates", lambda model: few)
+        patch.setattr(searching, "all_candidates", lambda model, friction: few)
         return closing.close(read(write(_campaign(effects), folder)), g=9.80665)
 
 

@@ -19,7 +19,7 @@ RIVALS = {"bouncing", "velocity_dependent_restitution", "viscous_damping", "base
 def test_a_corner_that_bounces_is_found(tmp_path, monkeypatch):
     truth = make_campaign(2002, ["bouncing"], tmp_path)
     monkeypatch.setattr(
-        searching, "all_candidates", lambda model: tuple(c for c in all_candidates(model) if c.effect in RIVALS)
+        searching, "all_candidates", lambda *given: tuple(c for c in all_candidates(*given) if c.effect in RIVALS)
     )
     finding = closing.close(read(tmp_path / "campaign"), g=G)
     assert finding.verdict == "effect" and finding.chosen.effects == ("bouncing",)

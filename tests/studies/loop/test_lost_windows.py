@@ -10,6 +10,7 @@ import pytest
 from rocking import Block, Method1, solve
 from rocking.effects import load
 from studies.campaigns import Channel, DeclaredBlock, Test
+from studies.loop import tracing
 from studies.loop.candidates import candidates
 from studies.loop.estimating import sensor_covariance
 from studies.loop.fitting import Fit, fit
@@ -65,6 +66,36 @@ def test_a_lost_window_begins_again_from_the_record_as_the_sensor_has_it(off_zer
     assert found.chi2 == pytest.approx(best.chi2, abs=1.0)
     assert found.windows[2].theta == pytest.approx(best.windows[2].theta, abs=NOISE)
     assert _with_lost_found(simulator, best) is best
+
+
+def test_a_lost_window_begins_again_from_a_peak_that_stands_still_too(off_zero, monkeypatch) -> None:
+    """By hand: eight noisy samples make a peak move, and a fit from there ends beyond an impact; from rest it does not.
+
+    So it was in a shaken record of the laboratory, and a false chi-square of 25,000 with it.
+    """
+    simulator, _, best = off_zero
+    k, found = 2, []
+    swift = best.windows[k].moved(best.windows[k].theta, 0.18)
+    swift = replace(swift, seen=swift.seen._replace(omega=0.18))
+
+    def only(window: Window, residual: np.ndarray) -> Fit:
+        windows = tuple(window if i == k else w for i, w in enumerate(best.windows))
+        residuals = tuple(residual if i == k else r for i, r in enumerate(best.residuals))
+        return replace(best, windows=windows, residuals=residuals, chi2=best.chi2 + float(residual @ residual))
+
+    def from_start(simulator, model, parameters, windows, iterations):
+        if parameters:
+            assert windows == list(only(windows[k], best.residuals[k]).windows)
+            return only(windows[k], best.residuals[k])
+        (window,) = windows
+        found.append(window.omega)
+        left = best.residuals[k] if window.omega == 0.0 else 29.0 * np.ones(window.data.size)
+        return replace(best, windows=(window.moved(window.theta, window.omega + 1e-3),), residuals=(left,))
+
+    monkeypatch.setattr(tracing, "fit", from_start)
+    again = _with_lost_found(simulator, only(swift, 29.0 * np.ones(swift.data.size)))
+    assert found == pytest.approx([0.18, 0.0])
+    assert again.windows[k].omega == 1e-3 and again.residuals[k] is best.residuals[k]
 
 
 def test_a_state_is_seen_through_the_gain_and_the_zero_of_the_sensor(off_zero) -> None:

@@ -141,7 +141,7 @@ def test_peak_velocity_of_a_wave_train() -> None:
 
 def few(names):
     """The list of forms cut to some of them."""
-    return lambda block: tuple(form for form in forms(block) if form.candidate.name in names)
+    return lambda block, friction: tuple(form for form in forms(block, friction) if form.candidate.name in names)
 
 
 NAMES = ("rounded_edges", "base_tilt")

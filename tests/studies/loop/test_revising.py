@@ -168,6 +168,32 @@ def test_the_better_fit_of_whole_records_is_kept_of_the_trial_that_stands(
     assert all(r.whole.name == "again" for r in found if r.trial.effects != ("quadratic_drag",))  # type: ignore[attr-defined]
 
 
+@pytest.mark.parametrize(
+    ("explained", "near"),
+    [
+        (80.0, [0.0, 30.0, 50.0]),  # those that explain next to nothing are not near
+        (20.0, [0.0, 30.0]),
+        (5000.0, [0.0, 30.0, 50.0, 70.0, 390.0]),
+    ],
+)
+def test_rivals_that_explain_next_to_nothing_are_not_near(monkeypatch: pytest.MonkeyPatch, explained, near) -> None:
+    """By hand: how much worse than the best they are after the search, and what that one explains."""
+
+    def trial(off: float) -> SimpleNamespace:
+        swing = SimpleNamespace(chi2=off, parameters=(), samples=100, model=off, windows=())
+        return SimpleNamespace(names=(str(off),), swing=swing, every=(), costly=False)
+
+    monkeypatch.setattr(rivals_module, "fit", lambda simulator, model, *_, **how: trial(model).swing)
+    monkeypatch.setattr(rivals_module, "replace", lambda trial, swing: trial)
+    monkeypatch.setattr(rivals_module, "whole_fit", lambda setup, t, weights: t.swing)
+    monkeypatch.setattr(rivals_module, "errors", lambda setup, model, windows: SimpleNamespace(holdout=0.0))
+    best, *others = (trial(off) for off in (0.0, 30.0, 50.0, 70.0, 390.0, 410.0))
+    tried = SimpleNamespace(onto=trial(explained), trials=[best, *others])
+    setup: Any = SimpleNamespace(simulator=None)
+    found = rivals_module.near(setup, tried, best, best.swing)  # type: ignore[arg-type]
+    assert [r.trial.swing.chi2 for r in found] == near
+
+
 def test_rivals_are_looked_for_again_where_the_best_one_has_something_needless(monkeypatch: pytest.MonkeyPatch) -> None:
     def rival(*names: str) -> SimpleNamespace:
         return SimpleNamespace(trial=SimpleNamespace(names=names, parts=names), whole=f"whole of {names}")

@@ -26,7 +26,7 @@ def ways(monkeypatch):
         return tried, nxt and (nxt, whole_of(told, nxt)), ()
 
     monkeypatch.setattr(rounds, "_round", one_round)
-    monkeypatch.setattr(searching, "all_candidates", lambda model: ())
+    monkeypatch.setattr(searching, "all_candidates", lambda model, friction: ())
     monkeypatch.setattr(
         searching, "whole_fit", lambda setup, trial: SimpleNamespace(rms=told.whole, of=trial.names, best=None)
     )
@@ -36,6 +36,12 @@ def ways(monkeypatch):
         monkeypatch.setattr(module, "by_chance", lambda setup, trial: told.chance)
         monkeypatch.setattr(module, "explains", lambda setup, trial, whole: told.explains)
     return told
+
+
+def setup_of(by_rotation):
+    """A campaign that declares no friction."""
+    campaign = SimpleNamespace(conditions=SimpleNamespace(friction=None))
+    return SimpleNamespace(by_rotation=by_rotation, campaign=campaign)
 
 
 def whole_of(told, trial):
@@ -51,7 +57,7 @@ def path_of(*names, costly=False, chi2=None):
 
 
 def searched():
-    return searching.traced(SimpleNamespace(by_rotation=True), path_of(), lambda text: None)
+    return searching.traced(setup_of(True), path_of(), lambda text: None)
 
 
 def test_floors_are_not_tried_where_two_effects_leave_nothing(ways):
@@ -165,7 +171,7 @@ def stand_in(ways, monkeypatch):
 
     def search():
         ways.rounds.clear()
-        return searching.traced(SimpleNamespace(by_rotation=ways.by_rotation), ways.plain, lambda text: None)
+        return searching.traced(setup_of(ways.by_rotation), ways.plain, lambda text: None)
 
     ways.searched = search
     return ways

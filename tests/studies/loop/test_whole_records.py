@@ -30,7 +30,7 @@ RIVALS = {"compliant_base", "sliding", "base_tilt", "viscous_damping", "base_mot
 def test_a_stiff_floor_is_found(tmp_path, monkeypatch):
     truth = make_campaign(2001, ["compliant_base"], tmp_path)
     monkeypatch.setattr(
-        searching, "all_candidates", lambda model: tuple(c for c in all_candidates(model) if c.effect in RIVALS)
+        searching, "all_candidates", lambda *given: tuple(c for c in all_candidates(*given) if c.effect in RIVALS)
     )
     finding = closing.close(read(tmp_path / "campaign"), g=G)
     assert finding.verdict == "effect" and finding.chosen.effects == ("compliant_base",)
@@ -153,7 +153,7 @@ def test_friction_that_gives_way_is_found_in_whole_records(seed, tmp_path, monke
     """It acts in few of the swings, and these begin with a slip that nobody knows."""
     truth = make_campaign(seed, ["sliding"], tmp_path)
     monkeypatch.setattr(
-        searching, "all_candidates", lambda model: tuple(c for c in all_candidates(model) if c.effect in RIVALS)
+        searching, "all_candidates", lambda *given: tuple(c for c in all_candidates(*given) if c.effect in RIVALS)
     )
     finding = closing.close(read(tmp_path / "campaign"), g=G)
     assert finding.verdict == "effect" and finding.chosen.effects == ("sliding",)
