@@ -50,7 +50,7 @@ LOSSES = frozenset({
 """Effects on what is lost, or that together with another restitution look like one."""
 
 CLOSELY = 1.1
-"""Rms of whole records over their noise below which laws of loss with a name are not doubted."""
+"""Rms of whole records over their noise below which laws of loss with a name, and two effects, are not doubted."""
 
 STANDARD_GRAVITY = 9.81
 """Gravity [m/s^2] where the laboratory does not say its own."""
@@ -184,7 +184,7 @@ def _explained(
     """
     structured = over_noise(setup, named) > structure(setup)
     if not structured:
-        other = _lost_otherwise(setup, plain, bare, named, whole, tell)
+        other = _otherwise(setup, plain, bare, named, whole, tell)
         if other is not None:
             return other, "unexplained"
     if not structured and len(named.parts) < 2:
@@ -214,27 +214,28 @@ def _explained(
     return best, "unexplained"
 
 
-def _lost_otherwise(
+def _otherwise(
     setup: Setup, plain: Trial, bare: Fit, named: Trial, whole: Fit, tell: Tell
 ) -> Trial | None:  # fmt: skip
-    """Another law of what is lost, where it explains far more than what was found.
+    """One law without a name, where it explains far more than what was found.
 
     In free decays speeds and pauses fall together, so that a loss that depends on the one looks much like one that
-    depends on the other, on the number of the impact, on the side, or on how near to upright the block is.  What swings
-    do not tell apart whole records may, since what is wrong adds up in them.
+    depends on the other, on the number of the impact, on the side, or on how near to upright the block is; and two
+    effects may stand in for a third of any kind.  What swings do not tell apart whole records may, since what is wrong
+    adds up in them.
     """
-    if not set(named.effects) & LOSSES or named.costly or slips(named) or not setup.by_rotation:
+    several = len(named.parts) > 1
+    if named.costly or slips(named) or not setup.by_rotation or not (several or set(named.effects) & LOSSES):
         return None
-    # Two laws of loss may stand in for a third that closely.
-    met = whole.rms < (CLOSELY if set(named.effects) <= LOSSES else MISSED)
-    if met and len(named.parts) > 1:
+    met = whole.rms < CLOSELY
+    if met and several:
         return None
-    tell("asking whether it is lost otherwise")
+    tell("asking whether one law without a name explains it")
     declared, windows = plain.swing.model.declared, plain.swing.windows
     laws = (*memories(declared, windows), *(c for c in profiles(declared, windows) if c.effect == LOSS))
     by_law = search(setup.simulator, plain, laws, tell)
     best = by_law.best
-    if len(named.parts) < 2 and best is not None:
+    if not several and best is not None:
         if bic(best.swing) < bic(named.swing) - PAYS:
             return best
         if not met and bic(best.swing) < bic(named.swing) + PAYS:
