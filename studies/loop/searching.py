@@ -14,6 +14,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from studies.loop.candidates import Candidate
+from studies.loop.learning import terms
 from studies.loop.names import readable
 from studies.loop.preparing import Setup
 from studies.loop.remaining import by_chance, declared_noise, explains, slips
@@ -21,7 +22,7 @@ from studies.loop.revising import set_aside
 from studies.loop.rivals import TWIN
 from studies.loop.rounds import Path, Tell, followed, same
 from studies.loop.settling import whole_fit, whole_fit_from_many
-from studies.loop.tracing import PAYS, Round, Trial, all_candidates, bic, pays
+from studies.loop.tracing import PAYS, Round, Trial, all_candidates, bic, pays, search
 from studies.loop.whole_records import MISSED, explains_more
 
 NEARLY_FIRST = 0.5
@@ -30,6 +31,8 @@ NEARLY_FIRST = 0.5
 MOST_IN_PLACE_OF_THE_FIRST = 2
 
 NOT_ON_TOP = "floors that give were not tried on top of this; runs take long"
+
+ONE_TERM = "one coefficient without a name leaves nothing over the noise, nor of whole records; runs take long"
 
 OF_THE_ROTATION_SENSOR = ("rotation_gain", "rotation_offset")
 
@@ -51,6 +54,9 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     rounds = _merged(paths)
     if not any(r.put_off for r in rounds) or _nothing_is_left(setup, quick):
         return _told(setup, quick, paths, greedy, rounds)
+    if _one_term_is_enough(setup, plain, tell):
+        rounds = [replace(r, skipped=r.skipped | {c.name: ONE_TERM for c in r.put_off}) for r in rounds]
+        return _told(setup, quick, paths, greedy, rounds)
     tell("something is left: again with floors that give")
     floors = [followed(setup, begin, pool, tell, begun=_to_go_through_again(rounds))]
     # What stood of the greedy path was gone through again.
@@ -68,6 +74,18 @@ def _to_go_through_again(rounds: Sequence[Round]) -> list[Round]:
     return [
         replace(r, trials=[t for t in r.trials if r.added(t).in_swings], skipped=dict(r.skipped)) for r in rounds
     ]  # fmt: skip
+
+
+def _one_term_is_enough(setup: Setup, plain: Trial, tell: Tell) -> bool:
+    """Whether a single coefficient without a name explains swings down to chance, and whole records.
+
+    Then something acts that has no name, and no floor that gives: such a one is in no single coefficient's reach.
+    """
+    if not setup.by_rotation or not declared_noise(setup):
+        return False
+    tell("something is left: asking coefficients without a name")
+    best = search(setup.simulator, plain, terms(plain.swing.model.declared), tell).best
+    return best is not None and by_chance(setup, best) and whole_fit(setup, best).rms < MISSED
 
 
 def _nothing_is_left(setup: Setup, path: Path) -> bool:

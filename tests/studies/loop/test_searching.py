@@ -13,7 +13,7 @@ def ways(monkeypatch):
     """A search in which floors are put off at first, and each case says what is accepted and what that leaves."""
     told = SimpleNamespace(
         chance=True, explains=True, rounds=[], accepted={}, put_off=(SimpleNamespace(name="floor"),), whole=1.4,
-        trials={}, declared=True,
+        trials={}, declared=True, term=False,
     )  # fmt: skip
 
     def one_round(setup, onto, whole, pool, tell, known, later):
@@ -32,6 +32,8 @@ def ways(monkeypatch):
     )
     monkeypatch.setattr(searching, "explains_more", lambda setup, one, other: False)
     monkeypatch.setattr(searching, "declared_noise", lambda setup: told.declared)
+    told.asked_for_a_term = searching._one_term_is_enough
+    monkeypatch.setattr(searching, "_one_term_is_enough", lambda setup, plain, tell: told.term)
     for module in (rounds, searching):
         monkeypatch.setattr(module, "by_chance", lambda setup, trial: told.chance)
         monkeypatch.setattr(module, "explains", lambda setup, trial, whole: told.explains)
@@ -58,6 +60,48 @@ def path_of(*names, costly=False, chi2=None):
 
 def searched():
     return searching.traced(setup_of(True), path_of(), lambda text: None)
+
+
+def test_floors_are_not_tried_where_one_coefficient_without_a_name_leaves_nothing(ways):
+    """They take long, and it explains what they might."""
+    ways.explains = ways.chance = False
+    ways.accepted = {((), True): path_of("a")}
+    ways.term = True
+    found = searched()
+    assert not any(not later for _, later, _ in ways.rounds)
+    assert all(r.skipped == {"floor": searching.ONE_TERM} for r in found.rounds)
+    ways.term = False
+    searched()
+    assert any(not later for _, later, _ in ways.rounds)
+
+
+@pytest.mark.parametrize(
+    ("rotation", "declared", "found", "chance", "whole", "enough"),
+    [
+        (True, True, True, True, 1.29, True),
+        (True, True, True, True, 1.31, False),
+        (True, True, True, False, 1.0, False),
+        (True, True, False, True, 1.0, False),
+        (False, True, True, True, 1.0, False),  # accelerometers hang too finely on when the side changes
+        (True, False, True, True, 1.0, False),  # an estimated noise holds what it was estimated from
+    ],
+)
+def test_one_coefficient_is_enough_where_it_leaves_noise_of_swings_and_whole_records(
+    ways, monkeypatch, rotation, declared, found, chance, whole, enough
+):
+    ways.declared, ways.chance, ways.whole = declared, chance, whole
+    plain, term = path_of(), path_of("learned[restitution_side]")
+    monkeypatch.setattr(searching, "terms", lambda block: ("all of them",))
+    plain.swing.model = SimpleNamespace(declared=None)
+
+    def search(simulator, onto, pool, tell):
+        assert onto is plain and pool == ("all of them",)
+        return Round(onto, [term] if found else [])
+
+    monkeypatch.setattr(searching, "search", search)
+    setup = setup_of(rotation)
+    setup.simulator = None
+    assert ways.asked_for_a_term(setup, plain, lambda text: None) is enough
 
 
 def test_floors_are_not_tried_where_two_effects_leave_nothing(ways):
