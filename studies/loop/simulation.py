@@ -28,7 +28,7 @@ from studies.campaigns import Test
 from studies.campaigns.base_motion import base_motion
 from studies.loop.keeping import Keeper, digest_of
 from studies.loop.model import LoopModel
-from studies.loop.thinning import thinned
+from studies.loop.thinning import AT_REST, thinned
 
 Array = NDArray[np.float64]
 
@@ -46,9 +46,6 @@ FORGOTTEN = 4.0
 WITHIN = (BlockWithInnerMass, HystereticBlock)
 """Blocks with states of their own that a whole record may not forget."""
 
-LONGEST_STEP = 0.05
-"""Of a run on a base at rest [s]; the error stays a hundred thousandth of the noise of a usual sensor."""
-
 
 class PaddedMotion:
     """A sampled motion with parameters filled up to a common number, so that all tests share one compiled kernel."""
@@ -57,7 +54,7 @@ class PaddedMotion:
         self.kernel, self.breakpoints = motion.kernel, motion.breakpoints
         # A base at rest has no samples between which something could be missed.
         moves = any(np.any(a) for a in (motion.a_x, motion.a_z) if a is not None)
-        self.max_step = motion.max_step if moves else LONGEST_STEP
+        self.max_step = motion.max_step if moves else AT_REST
         self.time_step = motion.time_step
         self.parameters = np.concatenate([motion.parameters, np.zeros(size - motion.parameters.size)])
         self.label = motion.name
@@ -160,7 +157,7 @@ class Simulator:
         driving = [thinned(base, factor) for base, factor in zip(bases, self.factors, strict=True)]
         self.bases, self.driving = _padded(bases), _padded(driving)
         self.spans = [(float(test.time[0]), float(test.time[-1])) for test in self.tests]
-        self._altered: dict[tuple[int, Any], BaseMotion] = {}
+        self._altered: dict[tuple[int, Any, bool], BaseMotion] = {}
         self._sampled: dict[tuple[int, int], tuple[BaseMotion, Base]] = {}
 
     @cached_property
@@ -191,20 +188,26 @@ class Simulator:
         return self._sampled[key][1]
 
     def _driving(self, model: LoopModel, test: int) -> BaseMotion:
-        """The base that a run sees: thinned, but for effects that make motion of other frequencies from the record."""
-        acts = any("base_motion" in part.ways() for part in model.parts)
-        return self._base(model, test) if acts else self.driving[test]
+        """The base that a run sees: what the model makes of the thinned record.
+
+        What is filtered out of the record is lost of what effects make of it too, and moves the block as little.
+        """
+        return self._with_effects(model, test, self.driving)
 
     def _base(self, model: LoopModel, test: int) -> BaseMotion:
-        """The base of a test as the model has it; kept, since the parameters of most models leave it alone."""
+        """The base of a test as the model has it, at every sample."""
+        return self._with_effects(model, test, self.bases)
+
+    def _with_effects(self, model: LoopModel, test: int, motions: Sequence[PaddedMotion]) -> BaseMotion:
+        """What the model makes of the motion of a test; kept, since the parameters of most models leave it alone."""
         acting = tuple(part for part in model.parts if "base_motion" in part.ways())
         if not acting:
-            return self.bases[test]
-        key = (test, acting)
+            return motions[test]
+        key = (test, acting, motions is self.driving)
         if key not in self._altered:
-            if len(self._altered) > 40 * len(self.tests):
+            if len(self._altered) > 80 * len(self.tests):
                 self._altered.clear()
-            self._altered[key] = model.base(self.bases[test], self.spans[test])
+            self._altered[key] = model.base(motions[test], self.spans[test])
         return self._altered[key]
 
     def run(self, models: Sequence[LoopModel], jobs: Sequence[Job]) -> list[Answer]:

@@ -31,6 +31,9 @@ Array = NDArray[np.float64]
 LONGEST = 0.0205
 """Longest time [s] between samples of a thinned motion."""
 
+AT_REST = 0.05
+"""The same of a base at rest [s]; the error of a run then stays a hundred thousandth of the noise of a usual sensor."""
+
 SHARE = 0.15
 """Of what the sensor's noise does to the block, the most that may be lost."""
 
@@ -44,9 +47,14 @@ def base_noise(test: Test) -> float:
 
 
 def factors(tests: Sequence[Test], p: float) -> list[int]:
-    """`thinning` of the base of each test, for a block of rate p [1/s]; 1 for a base at rest."""
-    motions = [base_motion(test) for test in tests]
-    return [1 if m is None else thinning(m, base_noise(test), p) for m, test in zip(motions, tests, strict=True)]
+    """`thinning` of the base of each test, for a block of rate p [1/s]; as far as goes for a base at rest."""
+    return [_of(base_motion(test), test, p) for test in tests]
+
+
+def _of(motion: SampledMotion | None, test: Test, p: float) -> int:
+    if motion is None:
+        return max(1, min(int(AT_REST / test.time_step), test.time.size - 1))
+    return thinning(motion, base_noise(test), p)
 
 
 def thinning(motion: SampledMotion, noise: float, p: float) -> int:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.signal import butter, sosfiltfilt
 
 from excitation import SampledMotion
 from rocking import Block, Method1, solve
 from studies.campaigns import Channel, DeclaredBlock, Test
 from studies.loop.model import LoopModel
-from studies.loop.simulation import Simulator
+from studies.loop.simulation import Job, Simulator
 from studies.loop.thinning import SHARE, factors, thinned, thinning
 
 P, STEP, NOISE = 5.0, 0.002, 3e-3
@@ -86,17 +87,52 @@ def test_a_campaign_that_declares_its_mass_distribution_is_thinned_too() -> None
     test = Test("ramp", "forced", t, channels, {"base_x": record(3.0).a_x})
     at_rest = Test("free", "free", t, (), {}, initial_rotation=0.1)
     block = DeclaredBlock(0.2, 0.8, 0.3, 30.0, centre_of_mass_height=0.35, inertia=1.5)
-    assert factors([test, at_rest], block.p()) == [thinning(record(3.0), NOISE, block.p()), 1]
+    assert factors([test, at_rest], block.p()) == [thinning(record(3.0), NOISE, block.p()), 25]
 
 
-def test_effects_that_change_the_base_have_every_sample() -> None:
+def test_sensors_on_the_block_read_every_sample_whatever_runs_see() -> None:
     t = STEP * np.arange(4003)
     channels = (Channel("base_x", "base_acceleration_x", NOISE),)
-    block = DeclaredBlock(0.2, 0.8, 0.3, 30.0)
     simulator = Simulator([Test("ramp", "forced", t, channels, {"base_x": record(3.0).a_x})], factors=[5])
+    for effects in ({}, {"table_pitch": {"per_acceleration": 1e-4}}):
+        model = LoopModel(DeclaredBlock(0.2, 0.8, 0.3, 30.0), 0.9, effects, 9.81)
+        assert simulator._driving(model, 0).max_step == pytest.approx(5 * STEP)
+        np.testing.assert_allclose(simulator.base(model, 0).a_x, record(3.0).a_x, atol=1e-12)
+
+
+def earthquake() -> Test:
+    """Noise between 0.5 and 10 Hz of 2.5 m/s^2 under a smooth envelope, with that of its sensor."""
+    rng, t = np.random.default_rng(3), STEP * np.arange(4001)
+    motion = sosfiltfilt(butter(3, [0.5, 10.0], "bandpass", fs=1.0 / STEP, output="sos"), rng.standard_normal(t.size))
+    a = 2.5 * motion / np.abs(motion).max() * np.sin(np.pi * t / t[-1]) ** 2 + NOISE * rng.standard_normal(t.size)
+    return Test("quake", "forced", t, (Channel("base_x", "base_acceleration_x", NOISE),), {"base_x": a})
+
+
+# Sizes of a laboratory that has something to find.
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"base_tilt.angle": 4e-3}, {"base_motion_gain.gain": 1.03}, {"base_motion_lag.lag": 4e-3},
+        {"vertical_motion.ratio": 0.1}, {"vertical_motion.second_harmonic_ratio": 0.3},
+        {"table_pitch.per_acceleration": 2e-4}, {"table_pitch.per_displacement": 0.04},
+    ],
+    ids=lambda values: next(iter(values)),
+)  # fmt: skip
+def test_what_an_effect_on_the_base_does_to_a_swing_is_kept_by_the_thinned_record(values: dict[str, float]) -> None:
+    """Less is lost of it than a tenth of the noise of a good rotation sensor, 1e-4 rad, and than a twentieth of it."""
+    block, test = DeclaredBlock(0.2, 0.8, 0.3, 30.0), earthquake()
+    (factor,) = factors([test], block.p())
+    assert factor >= 4
     plain = LoopModel(block, 0.9, {}, 9.81)
-    pitching = LoopModel(block, 0.9, {"table_pitch": {"per_acceleration": 1e-4}}, 9.81)
-    assert simulator._driving(plain, 0).max_step == pytest.approx(5 * STEP)
-    assert simulator._driving(pitching, 0).max_step == pytest.approx(STEP)
-    # What sensors on the block read has every sample, whatever runs see.
-    np.testing.assert_allclose(simulator.base(plain, 0).a_x, record(3.0).a_x, atol=1e-12)
+    changed = plain.changed(values)
+    swings = [
+        Job(model, 0, start + STEP * np.arange(250), start, side * 0.03, 0.0)
+        for model in (0, 1) for start in np.arange(1.0, 7.0, 0.4) for side in (1.0, -1.0)
+    ]  # fmt: skip
+    does = []
+    for some in ([factor], [1]):
+        theta = np.array([a.theta for a in Simulator([test], factors=some).run([plain, changed], swings)])
+        assert np.abs(theta).max() < block.alpha
+        does.append(theta[len(swings) // 2 :] - theta[: len(swings) // 2])
+    lost = np.sqrt(np.mean((does[0] - does[1]) ** 2))
+    assert lost < 1e-5 and lost < 0.05 * np.sqrt(np.mean(does[1] ** 2))
