@@ -126,6 +126,12 @@ def test_an_interface_opens_when_its_rotation_passes_the_given_one():
     assert opened == pytest.approx(first, abs=1.5 * run.settings["dt"])
 
 
+@pytest.mark.parametrize(("dt", "steps"), [(2.5e-5, 40), (5e-5, 20)])
+def test_interfaces_are_watched_every_thousandth_of_a_second_unless_something_is_said(dt, steps):
+    run = dem.simulate_assembly(column(2), t_end=2e-3, contact=STEADY, dt=dt, settle=0.0)
+    assert run.settings["watch_every"] == steps
+
+
 def test_overturning_is_the_last_outward_passage_of_the_balance():
     run = dem.simulate_assembly(dem.single(B, H, D, DENSITY), growing(1.0), t_end=10.0, contact=STEADY, save_every=1)
     tilt = math.atan(B / H)

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import dem
-from rocking import Method1, solve
+from rocking import Block, Method1, solve
 from studies import fig12
 from studies.claims.preliminary_bounds import CLAIMS
 from studies.criteria.free_vibration import fit_dashpot
@@ -178,3 +178,10 @@ def test_bad_options_are_one_sentence(name, arguments, message, tmp_path):
     with pytest.raises(BadInputError, match=message):
         make(importlib.import_module(f"studies.{name}").STUDY, [*arguments, "--out", str(tmp_path)])
     assert not list(tmp_path.iterdir())
+
+
+def test_a_share_of_critical_damping_is_that_of_the_whole_block_on_one_spring():
+    """c = 2 xi sqrt(k m), by hand for 4 kg on 100 N/m."""
+    released = Released(Block(0.1, 0.4, 0.2, density=500.0), 0.4, 2.0)
+    assert released.block.mass == pytest.approx(4.0, rel=1e-12)
+    assert released.dashpot(0.3, 100.0) == pytest.approx(12.0, rel=1e-12)

@@ -9,6 +9,7 @@ import pytest
 from rocking import Block, Method1, Outcome, solve
 from rocking.composed import ComposedMethod1
 from rocking.effects import compose, load, parse
+from rocking.form import Form
 
 G = 9.80665
 FORMS = {
@@ -273,3 +274,15 @@ def test_a_form_without_momentum_about_its_new_edge_lands_on_both_and_stops(run_
     )
     assert run.outcome is Outcome.AT_REST
     assert run.impact_times.size == 1
+
+
+def test_a_string_on_either_side_pulls_against_the_inertia_about_the_corner_on_that_side() -> None:
+    """By hand, the parallel axis theorem: I_c / m + (b/2 -+ o)^2 + (h/2)^2 with the centre of mass o off the middle."""
+    block = Block(0.2, 0.8)
+    form = Form.of(block).edited(offset=0.03)
+    mass, rho2 = form.mass, (0.2**2 + 0.8**2) / 12.0
+    right, left = (60.0 / (mass * (rho2 + arm**2 + 0.4**2)) for arm in (0.1 - 0.03, 0.1 + 0.03))
+    tether = load("tether")
+    assert tether(slack=0.01, stiffness=60.0).values(form) == pytest.approx((0.01, right, left), rel=1e-12)
+    assert tether(stiffness=60.0, side=1.0).values(form) == pytest.approx((0.0, right, 0.0), rel=1e-12)
+    assert tether(stiffness=60.0, side=-1.0).values(form) == pytest.approx((0.0, 0.0, left), rel=1e-12)

@@ -116,6 +116,16 @@ def test_a_corner_that_bounces_has_the_effects_of_the_package(name: str) -> None
     assert np.abs(plain - ours).max() > 30.0 * 2e-4
 
 
+def test_a_torque_beside_springs_acts_on_the_side_to_which_the_block_leans() -> None:
+    """The mirror image of a block on its springs, a string to -x in place of one to +x."""
+    hard, pull = on_hard_corners(250.0, 0.7, friction=20.0), {"tether_stiffness": 40.0}
+    right = contact.simulate(replace(hard, tether_plus=0.5 * LEAN, **pull), AT_REST, STEP, 1, LEAN).rotation[:1001]
+    left = contact.simulate(replace(hard, tether_minus=0.5 * LEAN, **pull), AT_REST, STEP, 1, -LEAN).rotation[:1001]
+    np.testing.assert_allclose(left, -right, atol=1e-9)
+    free = contact.simulate(hard, AT_REST, STEP, 1, LEAN).rotation[:1001]
+    assert np.abs(free - right).max() > 1e-3
+
+
 @pytest.mark.parametrize("number", contact.FOREIGN)
 def test_the_laboratory_of_a_block_on_springs_refuses_what_it_lacks(number: str) -> None:
     with pytest.raises(ValueError, match=f"{number}=0.001: not in the laboratory of a block on springs"):
