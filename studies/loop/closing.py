@@ -20,7 +20,16 @@ from studies.loop.learning import FREEDOMS, LEARNED, LOSS, WITH_A_NAME, alike, l
 from studies.loop.model import LoopModel
 from studies.loop.names import readable
 from studies.loop.preparing import Setup, as_declared, prepare
-from studies.loop.remaining import MISSED_BY_FAR, by_chance, missed, over_noise, slips, structure, unexplained
+from studies.loop.remaining import (
+    MISSED_BY_FAR,
+    by_chance,
+    missed,
+    over_noise,
+    rms_but_for_one,
+    slips,
+    structure,
+    unexplained,
+)
 from studies.loop.revising import Revision, revised, taken_out, without_needless
 from studies.loop.rivals import Rival, near_all, other_forms, standing, twins, twins_from_many
 from studies.loop.rounds import Path
@@ -227,7 +236,7 @@ def _otherwise(
     several = len(named.parts) > 1
     if named.costly or slips(named) or not setup.by_rotation or not (several or set(named.effects) & LOSSES):
         return None
-    met = whole.rms < CLOSELY
+    met = rms_but_for_one(whole) < CLOSELY
     if met and several:
         return None
     tell("asking whether one law without a name explains it")

@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from studies.loop.fitting import Fit
+from studies.loop.linearising import ROBUST
 from studies.loop.preparing import Setup
 from studies.loop.tracing import Trial
 from studies.loop.windows import PEAK_OVER_NOISE, SIDE
@@ -82,6 +83,14 @@ def missed(whole: Fit) -> bool:
     """Whether whole records cannot be called explained."""
     missed = int(np.count_nonzero(whole.by_window > MISSED_BY_FAR))
     return whole.rms > MISSED_BY_FAR and missed >= min(MISSED_RECORDS, len(whole.by_window))
+
+
+def rms_but_for_one(whole: Fit) -> float:
+    """Rms of whole records over their noise, but for a single one that is lost: it may hang on the base's noise."""
+    lost = whole.by_window > ROBUST
+    if np.count_nonzero(lost) != 1 or lost.size < MISSED_RECORDS + 1:
+        return whole.rms
+    return math.sqrt(float(np.mean(whole.by_window[~lost] ** 2)))
 
 
 def slips(trial: Trial) -> bool:

@@ -1,5 +1,6 @@
 """What stands beside its rivals, the verdict, and what is learned in the place of names; all fits are stubs."""
 
+import math
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -148,9 +149,23 @@ def test_what_was_learned_takes_the_place_of_names_where_it_explains_far_more(mo
         closing, "learn", lambda simulator, onto, tell, rival=None, going_on=True: other if onto is plain else onto
     )
     setup = SimpleNamespace(by_rotation=True, simulator=None, records=[])
-    chosen, verdict = closing._explained(setup, plain, None, found, SimpleNamespace(rms=rms), lambda text: None)
+    chosen, verdict = closing._explained(setup, plain, None, found, records(rms), lambda text: None)
     assert verdict == ends
     assert chosen is (found if ends == "effect" else other)
+
+
+def records(rms, lost=()):
+    """What is left of whole records: of four alike, and of some that are lost."""
+    by_window = np.array([*[rms] * 4, *lost])
+    return SimpleNamespace(rms=math.sqrt(np.mean(by_window**2)), by_window=by_window)
+
+
+@pytest.mark.parametrize(
+    ("lost", "left"), [((), 1.05), ((129.0,), 1.05), ((129.0, 60.0), math.sqrt((4 * 1.05**2 + 129**2 + 60**2) / 6))]
+)
+def test_one_record_that_is_lost_is_no_doubt_of_what_was_found(lost, left):
+    """So one was of the laboratory under the true model itself; by hand."""
+    assert remaining.rms_but_for_one(records(1.05, lost)) == pytest.approx(left, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -192,7 +207,7 @@ def test_a_law_that_has_no_name_is_asked_of_whole_records_that_names_miss(monkey
     monkeypatch.setattr(closing, "search", search)
     monkeypatch.setattr(closing, "hinted", hinted)
     setup = SimpleNamespace(by_rotation=True, simulator=None, records=[])
-    chosen, verdict = closing._explained(setup, plain, "bare", found, SimpleNamespace(rms=rms), lambda text: None)
+    chosen, verdict = closing._explained(setup, plain, "bare", found, records(rms), lambda text: None)
     assert verdict == ends and chosen is (term if ends == "unexplained" else found)
     if asked:
         assert "learned[friction by side]" in asked and "learned[damping]" not in asked
@@ -259,7 +274,7 @@ def test_what_only_undoes_an_effect_is_not_learned(monkeypatch):
     monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
     monkeypatch.setattr(closing, "unexplained", lambda setup: 1.05)
     monkeypatch.setattr(closing, "learn", lambda _, onto, *__, **___: plain if onto is plain else other)
-    setup, met = SimpleNamespace(simulator=None, records=[]), SimpleNamespace(rms=1.0)
+    setup, met = SimpleNamespace(simulator=None, records=[]), records(1.0)
     assert closing._explained(setup, plain, None, found, met, lambda text: None) == (found, "effect")
 
 
@@ -272,7 +287,7 @@ def test_nothing_is_learned_where_two_effects_leave_what_noise_leaves(monkeypatc
     for by_chance, learned in ((True, 0), (False, 2)):
         monkeypatch.setattr(closing, "by_chance", lambda setup, trial, is_so=by_chance: is_so)
         setup = SimpleNamespace(simulator=None, records=[], by_rotation=True)
-        whole = SimpleNamespace(rms=1.0)
+        whole = records(1.0)
         assert closing._explained(setup, plain, None, found, whole, lambda text: None) == (found, "effect")
         assert len(asked) == learned
 
