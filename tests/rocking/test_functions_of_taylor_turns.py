@@ -321,3 +321,12 @@ def test_what_became_of_a_run_is_written_into_its_own_row() -> None:
         names = (columns.LARGEST, columns.COUNT, columns.ENDED, columns.FIRST, columns.LAST_MODE)
         assert [out[name] for name in names] == want
         assert np.isnan(runs.rows[0]).all()
+
+
+@pytest.mark.parametrize(
+    ("phase", "level", "at"), [(math.pi / 6.0, 3.0, 3.0), (-math.pi / 6.0, 3.0, 3.0), (0.0, 3.0, math.inf)]
+)
+def test_a_wave_that_does_not_turn_grows_in_a_straight_line(phase: float, level: float, at: float) -> None:
+    """By hand: 2 t |sin(phase)| is at the level at t = level / (2 |sin(phase)|); never where the sine is zero."""
+    assert waits.wave_exceeds(0.0, phase, 2.0, level, 0.0, 10.0) == pytest.approx(at, rel=1e-12)
+    assert waits.wave_exceeds(0.0, phase, 2.0, level, 0.0, 2.9) == math.inf
