@@ -3,12 +3,15 @@
 Decays of the laboratory, whose rotations a sensor of our own turns into readings; noise is its only other error.
 """
 
+import math
 from dataclasses import replace
 from functools import cache
 
+import found
 import numpy as np
 import pytest
 
+from rocking import Method1, solve
 from studies.campaigns import Campaign, Channel, Conditions, DeclaredBlock, Test
 from studies.laboratory import event, table
 from studies.laboratory.parameters import G, uniform
@@ -106,3 +109,20 @@ def test_a_lean_that_was_aimed_at_is_a_rotation_and_no_reading() -> None:
     assert [w.theta for w in leaning(silent, model, silent.whole_held)] == [LEANS[w.test] for w in silent.whole_held]
     read = leaning(setup, model, setup.whole_held)
     assert [w.theta for w in read] == pytest.approx([LEANS[w.test] for w in read], abs=1e-4)
+
+
+def test_the_claimed_error_is_what_the_model_scores_on_the_tests_held_out() -> None:
+    """By SciPy's solver, from the lean that the record begins with: a claim is a score, and no estimate of one."""
+    finding = found.tilted()
+    claimed, setup = finding.errors["after"], finding.setup
+    (window,) = leaning(setup, finding.after, setup.whole_held)
+    test = setup.campaign.tests[window.test]
+    assert test.id not in {setup.campaign.tests[w.test].id for w in (*setup.swings, *setup.whole)}
+    system = Method1(found.BLOCK, restitution=finding.after.restitution, g=finding.after.g)
+    run = solve(
+        system, theta=window.theta, t_end=float(test.time[-1]), save_at=test.time, effects=finding.after.parts,
+        solver="scipy", rtol=1e-10, atol=1e-13,
+    )  # fmt: skip
+    scored = math.sqrt(np.mean((run.theta - test.rotation) ** 2))
+    assert claimed.by_test[test.id] == pytest.approx(scored, rel=1e-4)
+    assert claimed.holdout == claimed.by_test[test.id]
