@@ -58,6 +58,7 @@ def learned(world: World, cubic: float = 0.0) -> Trial:
 
 
 @pytest.mark.slow
+@pytest.mark.slowest
 def test_a_torque_that_is_periodic_in_the_rotation_is_drawn_as_it_was() -> None:
     """0.5 sin(2 pi phi / 0.08) rad/s^2: a cable over ribs."""
     found = learned(replace(IDEAL, rib=0.5, rib_period=0.08))
