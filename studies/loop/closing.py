@@ -12,7 +12,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from studies.campaigns import Campaign
+from studies.campaigns import Campaign, DeclaredBlock
+from studies.loop.candidates import Candidate
 from studies.loop.fitting import Fit
 from studies.loop.keeping import Keeper
 from studies.loop.learned_curves import Curve, curves
@@ -238,7 +239,7 @@ def _otherwise(
         return None
     met = rms_but_for_one(whole) < CLOSELY
     if met and several:
-        return None
+        return _one_in_place_of(setup, plain, named, whole, tell)
     tell("asking whether one law without a name explains it")
     declared, windows = plain.swing.model.declared, plain.swing.windows
     laws = (*memories(declared, windows), *(c for c in profiles(declared, windows) if c.effect == LOSS))
@@ -253,11 +254,23 @@ def _otherwise(
                 return best
     if met:
         return None
-    # The names themselves have been asked.
-    others = [c for c in terms(declared) if not WITH_A_NAME & {p.name for p in c.parameters} or len(c.parameters) > 1]
-    by_term = search(setup.simulator, plain, others, tell)
+    by_term = search(setup.simulator, plain, _unnamed(declared), tell)
     found = hinted(setup, plain, bare, replace(by_law, trials=[*by_law.trials, *by_term.trials]))
     return next((r.trial for r in found[:1] if explains_more(setup, r.whole, whole)), None)
+
+
+def _one_in_place_of(setup: Setup, plain: Trial, named: Trial, whole: Fit, tell: Tell) -> Trial | None:
+    """One coefficient without a name that swings and whole records prefer to effects with a name that meet them."""
+    tell("asking whether one coefficient without a name explains more")
+    best = search(setup.simulator, plain, _unnamed(plain.swing.model.declared), tell).best
+    if best is None or bic(best.swing) > bic(named.swing):
+        return None
+    return best if explains_more(setup, whole_fit(setup, best, whole), whole) else None
+
+
+def _unnamed(declared: DeclaredBlock) -> list[Candidate]:
+    """Single coefficients that are none of the effects with a name, which have been asked."""
+    return [c for c in terms(declared) if not WITH_A_NAME & {p.name for p in c.parameters} or len(c.parameters) > 1]
 
 
 def _kept(
@@ -301,9 +314,13 @@ def _shaped(setup: Setup, plain: Trial, found: Trial, tell: Tell) -> tuple[Trial
 
 
 def _carries(setup: Setup, without: Settled, found: Settled) -> bool:
-    """Whether a model is nearer to the whole records that were fitted than the one without what was learned."""
+    """Whether a model is nearer to the whole records that were fitted than the one without what was learned.
+
+    The error that is reported is a median, of which the ends of records that hang on the noise of the base may be most:
+    where that does not speak for it, what is told for certain of all records may.
+    """
     now, then = (errors(setup, s.whole.model, s.whole.windows).fit for s in (found, without))
-    return now < then
+    return now < then or (setup.by_rotation and explains_more(setup, found.whole, without.whole))
 
 
 def _of_whole_records(

@@ -419,7 +419,9 @@ def test_names_come_back_where_what_was_learned_does_not_carry(
         return SimpleNamespace(fit=fit_error[model])
 
     monkeypatch.setattr(closing, "errors", errors)
-    kept, said_verdict, after, said = closing._kept(None, plain, None, settled(()), stands, None, quiet)  # type: ignore[arg-type]
+    monkeypatch.setattr(closing, "explains_more", lambda setup, found, other: False)
+    setup = SimpleNamespace(by_rotation=True)
+    kept, said_verdict, after, said = closing._kept(setup, plain, None, settled(()), stands, None, quiet)  # type: ignore[arg-type]
     assert asked == [("learned_memory",), names]
     if carries:
         assert (kept, said_verdict, said) == (memory, "unexplained", ())
