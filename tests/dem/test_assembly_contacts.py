@@ -324,3 +324,24 @@ def test_energy_closes_while_a_scene_collapses_on_a_pitching_table(name):
     assert np.ptp(energies.balance) < 2e-4 * handled
     if scene.floor:  # nothing has sunk through
         assert run.z.min() > 0.0
+
+
+def test_contacts_are_asked_of_the_pairs_of_materials_that_can_meet_and_of_no_others():
+    """A stone alone meets floor and wall, which never meet each other; a second stone it meets too."""
+    side = dem.wall([(0.4, 0.0), (0.5, 0.0), (0.5, 0.6), (0.4, 0.6)], material="wall")
+    one = dem.block(B, H, D, DENSITY, material="stone")
+    on_floor, on_wall, on_stone = (dem.Contact(mu, damping_ratio=0.1, kn=kn) for mu, kn in ((0.7, 1e7), (0.5, 2e7), (0.3, 3e7)))
+    contacts = {("stone", "floor"): on_floor, ("wall", "stone"): on_wall}
+
+    def table(*bodies):
+        return dem.Assembly(bodies, walls=(side,), floor_material="floor").contact_table(contacts)
+
+    alone = table(one)
+    assert alone.names == ("stone", "wall", "floor")
+    assert alone.kn[0].tolist() == alone.kn[:, 0].tolist() == [alone.kn[0, 0], 2e7, 1e7]
+    assert alone.mu[0, 1:].tolist() == [0.5, 0.7]
+    second = dem.block(B, H, D, DENSITY, material="stone", x=-0.3)
+    with pytest.raises(ValueError, match="contacts say nothing of 'stone' on 'stone': want one Contact"):
+        table(one, second)
+    contacts["stone", "stone"] = on_stone
+    assert table(one, second).kn[0].tolist() == [3e7, 2e7, 1e7]

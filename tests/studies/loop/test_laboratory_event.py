@@ -215,3 +215,13 @@ def test_a_mass_hung_in_a_block_that_stands_swings_as_a_pendulum(damping: float)
     found = event.simulate(world, pushed, STEP, 1, 0.0)
     assert found.time[np.flatnonzero(found.rotation)[0]] == pytest.approx(expected, abs=1.5 * STEP)
     assert 1.0 < expected < 3.0
+
+
+def test_the_last_sample_is_that_of_a_run_that_goes_on() -> None:
+    """Its angular acceleration is the floor's at its own time, though no piece of the floor begins there."""
+    goes_on = event.simulate(WORLD, GROWING, STEP, 4, LEAN)
+    ends = event.simulate(WORLD, GROWING[:2000], STEP, 4, LEAN)
+    assert ends.time[-1] == pytest.approx(2.0, abs=1e-9)
+    for name in ("rotation", "velocity", "acceleration"):
+        last = getattr(ends, name)
+        assert last[-1] == pytest.approx(getattr(goes_on, name)[last.size - 1], rel=1e-9)

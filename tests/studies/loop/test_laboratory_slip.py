@@ -175,6 +175,43 @@ def test_a_block_with_little_friction_slides_and_never_rocks() -> None:
     assert response.centre[1:, 0] == pytest.approx(-(4.0 - 0.2 * G), rel=1e-12)
 
 
+@pytest.mark.parametrize("lean", [-LEAN, LEAN])
+def test_the_centre_of_a_block_whose_foot_stays_goes_where_its_edge_takes_it(lean: float) -> None:
+    """Second differences of its place: an edge of 5 mm that has rolled along the floor, and an arm turned by the lean.
+
+    The fourth derivative is below 150 m/s^4, so that they are off by 150 h^2 / 12 at the most.
+    """
+    radius, offset = 0.005, 0.004
+    world = replace(WORLD, friction=5.0, radius=radius, offset=offset)
+    found = slip.simulate(world, AT_REST, STEP, 1, lean)
+    assert found.centre is not None
+    first = int(found.impacts[0, 0] / STEP)  # the last sample before the first impact
+    side, phi = math.copysign(1.0, lean), found.rotation[:first]
+    # From the middle of the edge's circle, in the block: where this is, it has rolled by radius times the lean.
+    arm = np.array([offset - side * (world.half_breadth - radius), world.centre_height - radius])
+    x = radius * phi + arm[0] * np.cos(phi) + arm[1] * np.sin(phi)
+    z = radius - arm[0] * np.sin(phi) + arm[1] * np.cos(phi)
+    for place, felt in ((x, found.centre[:first, 0]), (z, found.centre[:first, 1])):
+        assert felt[1:-1] == pytest.approx(np.diff(place, 2) / STEP**2, abs=150.0 * STEP**2 / 12.0)
+        assert np.ptp(felt) > 0.1
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("begun", [-0.9, 0.0, 0.9])
+def test_friction_in_an_impact_is_at_the_most_its_share_of_the_vertical_impulse(begun: float, side: float) -> None:
+    """Both impulses are changes of the centre's velocity; the ratio of angular speeds is given."""
+    world, w, e, friction = replace(WORLD, friction=0.05), 0.7, 0.9, 0.05
+    half, height = world.half_breadth, world.centre_height
+    speed, slips = slip.strike(side, -w, begun, e, world.vector())
+    assert speed == pytest.approx(e * w, rel=1e-12)
+    turned_before, turned_after = -side * w, -side * e * w  # to +x: from the edge on `side` to the other one
+    along = (slips + turned_after * height) - (begun + turned_before * height)
+    # It falls on that edge at half w, and leaves on the other one at half e w.
+    assert abs(along) == pytest.approx(friction * half * (w + e * w), rel=1e-12)
+    stops = begun + (turned_before - turned_after) * height
+    assert np.sign(along) == -np.sign(stops) and np.sign(slips) == np.sign(stops)
+
+
 @pytest.mark.parametrize("lean", [-0.2, 0.2])
 def test_a_block_that_friction_holds_falls_in_the_same_sample(lean: float) -> None:
     """Pushed over to either side: the number of samples before it lies on its side, where its foot slips a little."""
