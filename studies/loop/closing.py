@@ -27,6 +27,7 @@ from studies.loop.remaining import (
     missed,
     over_noise,
     rms_but_for_one,
+    roughly_begun,
     slips,
     structure,
     unexplained,
@@ -199,6 +200,8 @@ def _explained(
             return other, "unexplained"
     if not structured and len(named.parts) < 2:
         return named, "effect" if named.parts else "none"
+    if roughly_begun(setup, named, whole):
+        return named, "effect"
     # What is learned of noise is not worth its time: names that leave no more than that stand.
     # Where a block slips, swings do not say by chance; whole records do.
     met = slips(named) and setup.by_rotation and whole.rms < MISSED

@@ -13,6 +13,7 @@ from studies.loop.fitting import Fit
 from studies.loop.linearising import ROBUST
 from studies.loop.preparing import Setup
 from studies.loop.tracing import Trial
+from studies.loop.whole_records import MISSED
 from studies.loop.windows import PEAK_OVER_NOISE, SIDE
 
 MISSED_BY_FAR = 3.0
@@ -77,6 +78,18 @@ def swings_that_count(setup: Setup, trial: Trial) -> list[int]:
 def explains(setup: Setup, trial: Trial, whole: Fit) -> bool:
     """Whether a trial leaves nothing in the swings, nor in whole records of the rotation."""
     return not (setup.by_rotation and missed(whole)) and over_noise(setup, trial) < structure(setup)
+
+
+def roughly_begun(setup: Setup, trial: Trial, whole: Fit) -> bool:
+    """Whether what swings on a floor that gives leave is that of how they begin.
+
+    How the floor gave before a swing began no rotation shows, and it is carried over but roughly.  Whole records begin
+    from a lean or from rest, of which nothing is unknown: where these are met, a little that is left of swings says
+    nothing.
+    """
+    if not (trial.costly and setup.by_rotation and whole.rms < MISSED):
+        return False
+    return over_noise(setup, trial) < UNEXPLAINED_OF_ESTIMATED
 
 
 def missed(whole: Fit) -> bool:

@@ -8,6 +8,7 @@ Status   planted effects that swings only hint at are traced (studies/loop_trial
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
@@ -47,6 +48,9 @@ LEAST_RECORDS = 2
 
 TELLING = 3
 """Records on which the starts are compared."""
+
+LIKELY = 1.0 / 3.0
+"""Share of the scanned values that are judged under what base noise does there: those whose runs come nearest."""
 
 
 def asked(
@@ -177,18 +181,42 @@ def _scanned(setup: Setup, whole: Fit, without: Fit, candidate: Candidate) -> tu
         # The logarithm, as in a likelihood: what explains a record by making it unpredictable has to pay for it.
         return found.chi2 - 2.0 * sum(float(np.sum(np.log(w.weights * w.noise))) for w in windows), found
 
-    found = [(*f, dict(v)) for v in candidate.scanned if (f := at(v)) is not None]
+    likely = _likely(setup, whole, without, candidate, least)
+    found = [(*f, v) for v in likely if (f := at(v)) is not None]
     if not found:
         return None
     k = min(range(len(found)), key=lambda i: found[i][0])
+    at_best = next(i for i, v in enumerate(candidate.scanned) if v is found[k][2])
     between = [
-        {name: value + share * (found[j][2][name] - value) for name, value in found[k][2].items()}
-        for j in (k - 1, k + 1) if 0 <= j < len(found) for share in (0.25, 0.5, 0.75)
+        {name: value + share * (candidate.scanned[j][name] - value) for name, value in found[k][2].items()}
+        for j in (at_best - 1, at_best + 1) if 0 <= j < len(candidate.scanned) for share in (0.25, 0.5, 0.75)
     ]  # fmt: skip
     found += [(*f, v) for v in between if (f := at(v)) is not None]
     off, best, _ = min(found, key=lambda f: f[0])
     windows = predictable(best.windows)
     return (off, fit(setup.simulator, best.model, [], windows, whole=True, iterations=2)) if windows else None
+
+
+def _likely(
+    setup: Setup, whole: Fit, without: Fit, candidate: Candidate, least: Mapping[str, float]
+) -> list[Mapping[str, float]]:  # fmt: skip
+    """The scanned values whose runs come nearest, in their order.
+
+    One run of each record says enough to leave out most.  Near means by the sum of log(1 + r^2), since what is lost of
+    a record is lost, however far off it goes.
+
+    least: further numbers of the model.
+    """
+    near: dict[int, float] = {}
+    for k, values in enumerate(candidate.scanned):
+        try:
+            model = without.model.changed({**least, **values})
+            found = fit(setup.simulator, model, [], whole.windows, whole=True, iterations=0)
+        except ValueError:
+            continue  # it does not go together with what is there already
+        near[k] = sum(float(np.sum(np.log1p(r * r))) for r in found.residuals)
+    kept = sorted(near, key=near.__getitem__)[: math.ceil(LIKELY * len(candidate.scanned))]
+    return [candidate.scanned[k] for k in sorted(kept)]
 
 
 def _as_rival(

@@ -215,6 +215,31 @@ def test_a_law_that_has_no_name_is_asked_of_whole_records_that_names_miss(monkey
 
 
 @pytest.mark.parametrize(
+    ("left", "rms", "costly", "by_rotation", "ends"),
+    [
+        # compliant_base-65001: later tests met to 8e-5 rad of 2e-4 rad of noise, and called unexplained.
+        (1.2, 1.05, True, True, "effect"),
+        (1.4, 1.05, True, True, "unexplained"),
+        (1.2, 1.5, True, True, "unexplained"),
+        (1.2, 1.05, False, True, "unexplained"),
+        (1.2, 1.05, True, False, "unexplained"),
+    ],
+)
+def test_what_swings_on_a_floor_that_gives_leave_is_that_of_how_they_begin_where_whole_records_are_met(
+    monkeypatch, left, rms, costly, by_rotation, ends
+):
+    plain, found = explained_trial(20_000.0), explained_trial(9_000.0, "compliant_base")
+    found.costly = found.parts[0].costly = costly
+    for module in (closing, remaining):
+        monkeypatch.setattr(module, "over_noise", lambda setup, trial: left)
+    monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
+    monkeypatch.setattr(closing, "unexplained", lambda setup: 1.05)
+    monkeypatch.setattr(closing, "learn", lambda *_, **__: plain)
+    setup = SimpleNamespace(simulator=None, records=[], by_rotation=by_rotation)
+    assert closing._explained(setup, plain, None, found, records(rms), lambda text: None) == (found, ends)
+
+
+@pytest.mark.parametrize(
     ("effect", "rms", "by_rotation", "ends"),
     [
         ("learned_curve", 7.5, True, "near upright"),

@@ -92,14 +92,22 @@ def test_a_scan_is_not_led_by_a_record_that_hangs_finely_on_the_base(monkeypatch
     def fit(_, model, parameters, windows, **__):
         off = model.get("base_adhesion.moment") - true
         left = [20.0 * off / true, 0.0 if model.get("base_adhesion.moment") == lucky else 100.0]
-        chi2 = sum(float(np.sum((x * w.weights) ** 2)) for x, w in zip(left, windows, strict=True))
-        return SimpleNamespace(chi2=chi2, model=model, windows=windows)
+        residuals = tuple(x * w.weights for x, w in zip(left, windows, strict=True))
+        chi2 = sum(float(np.sum(r**2)) for r in residuals)
+        return SimpleNamespace(chi2=chi2, model=model, windows=windows, residuals=residuals)
 
+    def under(setup, model, windows):
+        judged.append(model.get("base_adhesion.moment"))
+        return [_window(), _window(100.0)]
+
+    judged: list[float] = []
     monkeypatch.setattr(whole_records, "fit", fit)
     monkeypatch.setattr(whole_records, "predictable", lambda given: given)
-    monkeypatch.setattr(whole_records, "weighed_under", lambda setup, model, windows: [_window(), _window(100.0)])
-    without = SimpleNamespace(model=LoopModel(block, 0.9), windows=())
-    off, near = _scanned(SimpleNamespace(simulator=None), SimpleNamespace(windows=()), without, adhesion)
+    monkeypatch.setattr(whole_records, "weighed_under", under)
+    without, whole = SimpleNamespace(model=LoopModel(block, 0.9), windows=()), SimpleNamespace(windows=[_window()] * 2)
+    off, near = _scanned(SimpleNamespace(simulator=None), whole, without, adhesion)
+    # Of those that are far off in both no draw of the noise is made: a third is left, and six between the best ones.
+    assert len(judged) == 9 + 6 and lucky in judged and moments[0] not in judged and moments[-1] not in judged
     assert near.model.get("base_adhesion.moment") == true
     # What makes a record unpredictable pays for it, as in a likelihood.
     assert off == pytest.approx(100.0 + 200.0 * math.log(100.0), rel=1e-12)
