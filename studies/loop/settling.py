@@ -151,16 +151,20 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
     minima = _while_predictable(setup, trial, whole) if setup.by_rotation else []
     fits = [f for f in (trial.swing, *minima[:1]) if f.parameters]
     covariances = [robust_covariance(setup.simulator, setup.noisy, f) for f in fits]
-    apart = None
+    apart, own = None, [*covariances]
     if len(minima) > 1 and trial.every:
         apart = _apart(minima, sensor_covariance(setup.simulator, minima[0]), covariances[-1])
         covariances[-1] = covariances[-1] + apart
     both, joint = _joined(names, fits, covariances)
-    between = apart is not None and bool(np.any(np.diag(apart) > np.diag(covariances[-1] - apart)))
+    known = _outer(parameters, both)
+    between = apart is not None and bool(np.any(np.diag(apart) > np.diag(own[-1])))
     if between:
-        # Between minima lies none: the best one is what predicts.
-        both = np.array([p.inner(minima[0].model.get(p.name)) for p in parameters])
-    known = {p.name: p.outer(float(v)) for p, v in zip(parameters, both, strict=True)}
+        there = [{p.name: m.model.get(p.name) for p in parameters} for m in minima[:ENDED]]
+        if trial.costly:
+            known = there[0]
+        else:
+            beside = [_joined(names, [*fits[:-1], m], own)[0] for m in minima[:ENDED]]
+            known = _explains_most(setup, trial, minima[0], [known, *there, *(_outer(parameters, b) for b in beside)])
     if trial.costly and minima:
         together = whole.model.changed(known)
         if between or _spoilt(setup, together, trial.swing.model, minima[0]):
@@ -174,6 +178,30 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
     joint = _disagreement(fits, covariances) * joint + _by_what_is_assumed(setup, trial)
     widened = joint * np.outer(scale, scale)
     return Settled(leans, names, np.asarray(widened, dtype=np.float64))
+
+
+def _outer(parameters: Sequence[Parameter], inner: Array) -> dict[str, float]:
+    """Parameters by name, from numbers in their scales."""
+    return {p.name: p.outer(float(v)) for p, v in zip(parameters, inner, strict=True)}
+
+
+def _explains_most(setup: Setup, trial: Trial, best: Fit, found: Sequence[dict[str, float]]) -> dict[str, float]:
+    """Of several estimates the one that explains swings and whole records best, these as far as in their best minimum.
+
+    Between minima of whole records lies none, so that an average would not predict; but where they say next to nothing
+    of a parameter, their best minimum may be where no swing is explained.
+    """
+
+    def left(values: dict[str, float]) -> float:
+        try:
+            model = best.model.changed(values)
+            swings = fit(setup.simulator, model, [], trial.swing.windows, iterations=3)
+            records = fit_records(setup.simulator, model, [], best.windows, iterations=4)
+        except ValueError:
+            return math.inf  # what was put together of numbers that do not go together
+        return swings.chi2 + records.chi2
+
+    return min(found, key=left)
 
 
 def _by_what_is_assumed(setup: Setup, trial: Trial) -> Array:

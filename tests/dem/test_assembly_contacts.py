@@ -330,7 +330,9 @@ def test_contacts_are_asked_of_the_pairs_of_materials_that_can_meet_and_of_no_ot
     """A stone alone meets floor and wall, which never meet each other; a second stone it meets too."""
     side = dem.wall([(0.4, 0.0), (0.5, 0.0), (0.5, 0.6), (0.4, 0.6)], material="wall")
     one = dem.block(B, H, D, DENSITY, material="stone")
-    on_floor, on_wall, on_stone = (dem.Contact(mu, damping_ratio=0.1, kn=kn) for mu, kn in ((0.7, 1e7), (0.5, 2e7), (0.3, 3e7)))
+    on_floor, on_wall, on_stone = (
+        dem.Contact(mu, damping_ratio=0.1, kn=kn) for mu, kn in ((0.7, 1e7), (0.5, 2e7), (0.3, 3e7))
+    )
     contacts = {("stone", "floor"): on_floor, ("wall", "stone"): on_wall}
 
     def table(*bodies):

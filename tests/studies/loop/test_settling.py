@@ -207,6 +207,56 @@ def test_where_estimates_do_not_go_together_the_minimum_counts_that_swings_bear(
     assert found.covariance[0, 0] == pytest.approx(birge * (0.04 if refused else 0.09))
 
 
+@pytest.mark.parametrize(
+    ("of_swings", "of_records", "expected"),
+    [
+        # Numbers of a block of 24 cm whose table also moves up and down: few impacts are predictable. The best minimum
+        # of whole records, by 1 in chi-square, lies 75 standard deviations of the swings off.
+        (((0.8621, 1.7e-4), (0.1684, 1.6e-3)), (((0.8753, 0.1675), (0.851, 0.1675)), (7.6e-3, 2.5e-3)), 0.8621),
+        # Swings say little: what lies between two sharp minima of whole records is explained by neither.
+        (((0.861, 0.02), (0.1684, 1.6e-3)), (((0.8753, 0.1675), (0.851, 0.1675)), (3e-4, 2.5e-3)), 0.8753),
+    ],
+)
+def test_between_minima_of_whole_records_that_swings_refuse_swings_decide(
+    monkeypatch: pytest.MonkeyPatch, of_swings: Any, of_records: Any, expected: float
+) -> None:
+    e, r = Parameter("e", 0.01), Parameter("r", 0.01)
+
+    def at(*numbers: float, chi2: float) -> Any:
+        model = Model(**dict(zip("er", numbers, strict=True)))
+        return SimpleNamespace(model=model, parameters=(e, r), windows="records", chi2=chi2)
+
+    def off(model: Any, numbers: Any, sds: Any) -> float:
+        return sum(((model.get(n) - v) / sd) ** 2 for n, v, sd in zip("er", numbers, sds, strict=True))
+
+    def left(simulator: Any, model: Any, parameters: Any, windows: str, **_: Any) -> Any:
+        (values, own), (places, sds) = zip(*of_swings, strict=True), of_records
+        chi2 = {
+            "swings": 6134.0 + off(model, values, own),
+            "records": 2579.5 + min(float(k) + off(model, place, sds) for k, place in enumerate(places)),
+        }
+        return SimpleNamespace(model=model, chi2=chi2[windows])
+
+    swing = at(*(value for value, _ in of_swings), chi2=6134.0)
+    swing.windows = "swings"
+    minima = [at(*place, chi2=2579.5 + k) for k, place in enumerate(of_records[0])]
+    sure = {id(swing): np.diag([sd**2 for _, sd in of_swings])}
+    trial: Any = SimpleNamespace(swing=swing, every=(e, r), costly=False, parts=())
+    setup: Any = SimpleNamespace(by_rotation=True, simulator=None, noisy=None)
+    covariance = np.diag(np.square(of_records[1]))
+    monkeypatch.setattr(settling, "_while_predictable", lambda *_: minima)
+    monkeypatch.setattr(settling, "sensor_covariance", lambda *_: covariance)
+    monkeypatch.setattr(settling, "robust_covariance", lambda _, __, f: sure.get(id(f), covariance))
+    monkeypatch.setattr(settling, "fit", left)
+    monkeypatch.setattr(settling, "fit_records", left)
+    found = settling.settle(setup, trial, at(0.9, 0.2, chi2=0.0))
+    assert found.whole.model.get("e") == pytest.approx(expected, abs=3e-4)
+    # Of the other one both say the same.
+    assert found.whole.model.get("r") == pytest.approx(0.168, abs=1e-3)
+    # The interval reaches the other minimum still where swings do not rule it out.
+    assert bool(found.covariance[0, 0] ** 0.5 > 5e-3) is (expected != 0.8621)
+
+
 def test_what_an_estimate_does_not_show_is_as_wide_as_the_others_say() -> None:
     one, two = estimate({"a": 1.0, "b": 5.0, "c": 7.0}), estimate({"a": 1.6, "b": 5.5, "c": 7.0})
     covariances = [np.diag([0.01, 0.0, 0.0]), np.diag([0.01, 0.2, 0.0])]
