@@ -22,6 +22,7 @@ from studies.loop.model import LoopModel
 from studies.loop.names import readable
 from studies.loop.preparing import Setup, as_declared, prepare
 from studies.loop.remaining import (
+    CLOSELY,
     MISSED_BY_FAR,
     by_chance,
     missed,
@@ -59,9 +60,6 @@ LOSSES = frozenset({
     "mass_distribution",
 })  # fmt: skip
 """Effects on what is lost, or that together with another restitution look like one."""
-
-CLOSELY = 1.1
-"""Rms of whole records over their noise below which laws of loss with a name, and two effects, are not doubted."""
 
 STANDARD_GRAVITY = 9.81
 """Gravity [m/s^2] where the laboratory does not say its own."""

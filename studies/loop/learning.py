@@ -35,6 +35,9 @@ LEAST_GAIN = 0.03
 LEAST_LEFT = 0.98
 """Rms of the swings over what pure noise leaves of them that no term brings them below: two standard deviations."""
 
+LITTLE_LEFT = 1.05
+"""The same of what is too little for forms with states that go on from swing to swing: their runs take long."""
+
 MOST_TERMS = 4
 
 MOST_ALIKE = 4
@@ -235,7 +238,7 @@ def learn(
     at_hand = _at_hand(onto)
     known: dict[tuple[str, ...], Trial | None] = {}
     found = _grown(simulator, onto, [(at_hand, known)], tell, rival, FEW if going_on else MOST_TERMS)
-    if not going_on or not _more_to_learn(found):
+    if not going_on or not _more_to_learn(found) or _over_noise(found) < LITTLE_LEFT:
         return found
     return _grown(simulator, onto, [(at_hand, known), (inner(declared, released), {})], tell, rival, MOST_TERMS)
 
@@ -292,6 +295,11 @@ def _grown(
 
 def _more_to_learn(trial: Trial) -> bool:
     """Whether a term that lowers the rms of the swings enough would not bring it below that of noise."""
+    return _over_noise(trial) * (1.0 - LEAST_GAIN) >= LEAST_LEFT
+
+
+def _over_noise(trial: Trial) -> float:
+    """Rms of the swings over what pure noise leaves of them."""
     swings = trial.swing
-    noise = math.sqrt(max(1.0 - (2 * len(swings.windows) + len(swings.parameters)) / max(swings.samples, 1), 0.0))
-    return swings.rms * (1.0 - LEAST_GAIN) >= LEAST_LEFT * noise
+    left = 1.0 - (2 * len(swings.windows) + len(swings.parameters)) / max(swings.samples, 1)
+    return swings.rms / math.sqrt(left) if left > 0.0 else math.inf

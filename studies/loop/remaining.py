@@ -22,6 +22,10 @@ MISSED_BY_FAR = 3.0
 MISSED_RECORDS = 2
 """So many of them have to be missed so: one may be lost to an impact that hung on the noise of the base."""
 
+CLOSELY = 1.1
+"""Rms of whole records over their noise below which laws of loss with a name, and two effects, are not doubted, nor is
+one coefficient without a name."""
+
 STRUCTURE = 1.03
 """Rms in the swings over what the noise leaves of it from which structure is left: four of its standard deviations in
 ten thousand samples."""

@@ -17,7 +17,7 @@ from studies.loop.candidates import Candidate
 from studies.loop.learning import terms
 from studies.loop.names import readable
 from studies.loop.preparing import Setup
-from studies.loop.remaining import by_chance, declared_noise, explains, slips
+from studies.loop.remaining import CLOSELY, by_chance, declared_noise, explains, over_noise, slips, unexplained
 from studies.loop.revising import set_aside
 from studies.loop.rivals import TWIN
 from studies.loop.rounds import Path, Tell, followed, same
@@ -77,15 +77,18 @@ def _to_go_through_again(rounds: Sequence[Round]) -> list[Round]:
 
 
 def _one_term_is_enough(setup: Setup, plain: Trial, tell: Tell) -> bool:
-    """Whether a single coefficient without a name explains swings down to chance, and whole records.
+    """Whether a single coefficient without a name explains swings and whole records.
 
-    Then something acts that has no name, and no floor that gives: such a one is in no single coefficient's reach.
+    Then something acts that has no name, and no floor that gives: such a one is in no single coefficient's reach.  A
+    little more than chance may be left of the swings where whole records are met closely.
     """
     if not setup.by_rotation or not declared_noise(setup):
         return False
     tell("something is left: asking coefficients without a name")
     best = search(setup.simulator, plain, terms(plain.swing.model.declared), tell).best
-    return best is not None and by_chance(setup, best) and whole_fit(setup, best).rms < MISSED
+    if best is None or over_noise(setup, best) > unexplained(setup):
+        return False
+    return whole_fit(setup, best).rms < (MISSED if by_chance(setup, best) else CLOSELY)
 
 
 def _nothing_is_left(setup: Setup, path: Path) -> bool:

@@ -5,6 +5,7 @@ Free decays from both sides, with noise; the truth of each is a number of the la
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from rocking.remembering import LONG_AGO
 from studies.campaigns import Channel, DeclaredBlock, Test
 from studies.laboratory import event, table
 from studies.laboratory.parameters import G, World, uniform
+from studies.loop import learning
 from studies.loop.learning import inner, learn, memories, open_to, profiles, readings
 from studies.loop.model import LoopModel
 from studies.loop.observing import jobs_of
@@ -171,6 +173,28 @@ def test_a_window_knows_the_impacts_before_it() -> None:
     assert of_first[1].struck.pause == pytest.approx(of_first[1].start - first, abs=2e-3)
     # The calibrated block explains what has no effect: nothing is learned.
     assert learn(simulator, plain, lambda text: None) is plain
+
+
+@pytest.mark.parametrize(("over_noise", "passes"), [(1.04, 1), (1.06, 2)])
+def test_states_that_go_on_are_not_tried_for_the_little_that_terms_leave(
+    monkeypatch: pytest.MonkeyPatch, over_noise: float, passes: int
+) -> None:
+    """A restitution by side left 1.036 times the noise of 12.8; masses and layers took ten minutes to explain no more.
+
+    Of 1000 samples in 10 windows 20 states are fitted, so that noise alone leaves 0.98 of the sum of squares.
+    """
+    swing = SimpleNamespace(
+        rms=over_noise * math.sqrt(0.98), windows=(None,) * 10, parameters=(), samples=1000,
+        model=SimpleNamespace(declared=None),
+    )  # fmt: skip
+    trial: Any = SimpleNamespace(swing=swing, names=(), parts=())
+    asked = []
+    monkeypatch.setattr(learning, "_at_hand", lambda onto: ())
+    monkeypatch.setattr(learning, "inner", lambda block, released: ())
+    monkeypatch.setattr(learning, "_grown", lambda _, onto, pools, *__: asked.append(len(pools)) or onto)
+    simulator: Any = SimpleNamespace(tests=())
+    assert learn(simulator, trial, lambda text: None) is trial
+    assert asked == [1, 2][:passes]
 
 
 def test_what_may_be_learned_is_nothing_at_first() -> None:
