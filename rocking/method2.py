@@ -57,8 +57,8 @@ class Method2:
             e_n = e_t = 0 then has Housner's restitution), "kinematic" (v -> -e_n v, u -> -e_t u at the corner), or
             "two_corner" (rocking impacts are plastic, e_n and e_t have no say in them, and have `restitution` where the
             base does not slide; landings from the air are frictional).
-        restitution: e of eq. (4) [1] for "two_corner", 0 to 1; not with another law.  Below Housner's the corners would
-            have to pull, and what more is lost is taken from the rotation by a couple.
+        restitution: e of eq. (4) [1] for "two_corner", from Housner's (0 where that is below zero) to 1; not with
+            another law.  Below Housner's a corner would have to pull.
         g: acceleration of gravity [m/s^2].
         rest_speed: a rocking impact after which |omega| / p is below this [1] brings the block upright.
         chatter_time: a series of bounces that would end within this time [s] is finished at once.
