@@ -36,7 +36,8 @@ LEAST_LEFT = 0.98
 """Rms of the swings over what pure noise leaves of them that no term brings them below: two standard deviations."""
 
 LITTLE_LEFT = 1.05
-"""The same of what is too little for forms with states that go on from swing to swing: their runs take long."""
+"""Rms of the swings over what pure noise leaves of them below which no forms are tried whose states go on from swing
+to swing: their runs take long."""
 
 MOST_TERMS = 4
 

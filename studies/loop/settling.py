@@ -186,7 +186,9 @@ def _outer(parameters: Sequence[Parameter], inner: Array) -> dict[str, float]:
 
 
 def _explains_most(setup: Setup, trial: Trial, best: Fit, found: Sequence[dict[str, float]]) -> dict[str, float]:
-    """Of several estimates the one that explains swings and whole records best, these as far as in their best minimum.
+    """Of several estimates the one that explains swings and whole records best.
+
+    best: the deepest minimum of whole records; these are compared as far as they are predictable in it.
 
     Between minima of whole records lies none, so that an average would not predict; but where they say next to nothing
     of a parameter, their best minimum may be where no swing is explained.
