@@ -13,7 +13,6 @@ from studies.loop.fitting import Fit
 from studies.loop.linearising import ROBUST
 from studies.loop.preparing import Setup
 from studies.loop.tracing import Trial
-from studies.loop.whole_records import MISSED
 from studies.loop.windows import PEAK_OVER_NOISE, SIDE
 
 MISSED_BY_FAR = 3.0
@@ -87,13 +86,11 @@ def explains(setup: Setup, trial: Trial, whole: Fit) -> bool:
 def roughly_begun(setup: Setup, trial: Trial, whole: Fit) -> bool:
     """Whether what swings on a floor that gives leave is that of how they begin.
 
-    How the floor gave before a swing began no rotation shows, and it is carried over but roughly.  Whole records begin
-    from a lean or from rest, of which nothing is unknown: where these are met, a little that is left of swings says
-    nothing.
+    How the floor gave before a swing began no rotation shows, and it is carried over but roughly.  Whole records hold
+    the same samples and begin from a lean or from rest, of which nothing is unknown: where these are met closely, what
+    is left of swings says nothing.
     """
-    if not (trial.costly and setup.by_rotation and whole.rms < MISSED):
-        return False
-    return over_noise(setup, trial) < UNEXPLAINED_OF_ESTIMATED
+    return trial.costly and setup.by_rotation and whole.rms < CLOSELY
 
 
 def missed(whole: Fit) -> bool:
