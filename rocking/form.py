@@ -97,8 +97,8 @@ class Form:
         return momentum / self.angular_inertia(-s)
 
     @property
-    def least_restitution(self) -> float:
-        """Geometric mean of both sides' restitution [1], below which corners would pull; 0 where one is below 0."""
+    def housner_restitution(self) -> float:
+        """Geometric mean of both sides' restitution [1]; 0 where one is below 0."""
         right, left = self.restitution(1.0), self.restitution(-1.0)
         return math.sqrt(right * left) if right > 0.0 and left > 0.0 else 0.0
 

@@ -57,8 +57,8 @@ class Method2:
             e_n = e_t = 0 then has Housner's restitution), "kinematic" (v -> -e_n v, u -> -e_t u at the corner), or
             "two_corner" (rocking impacts are plastic, e_n and e_t have no say in them, and have `restitution` where the
             base does not slide; landings from the air are frictional).
-        restitution: e of eq. (4) [1] for "two_corner", from Housner's (0 where that is below zero) to 1; not with
-            another law.  Below Housner's a corner would have to pull.
+        restitution: e of eq. (4) [1] for "two_corner", 0 to 1; not with another law.  Below Housner's, where corners
+            alone would have to pull, a couple as of rolling resistance takes the rest.
         g: acceleration of gravity [m/s^2].
         rest_speed: a rocking impact after which |omega| / p is below this [1] brings the block upright.
         chatter_time: a series of bounces that would end within this time [s] is finished at once.
@@ -166,14 +166,8 @@ class Method2:
     def _check_two_corner(self) -> None:
         if self.restitution is None:
             raise ValueError("restitution=None: want a number with impact_law='two_corner'")
+        within("restitution", self.restitution, 0.0, 1.0)
         form, e = self.shape, self.restitution
-        low = form.least_restitution
-        if not low * (1.0 - 1e-12) <= e <= 1.0:
-            whose = f"for b/h={self.block.b / self.block.h:.4g}" if self.form is None else "of this form"
-            raise ValueError(
-                f"restitution={e!r}: want {low:.6g} (Housner's {whose}) to 1 for the two-corner impact; a smaller one "
-                "would need a corner that pulls"
-            )
         for s, given in zip((1.0, -1.0), form.restitutions(e), strict=True):
             arm = form.half_breadth + s * form.offset  # of the corner that takes over
             needed = form.mass_height * (1.0 - given) / (2.0 * form.half_breadth - (1.0 - given) * arm)

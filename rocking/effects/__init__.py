@@ -160,7 +160,7 @@ def _under_method2(method: Any, form: Any, effects: Sequence[Effect]) -> System:
                 "number"
             )
         try:
-            system = replace(system, impact_law="two_corner", restitution=form.least_restitution)
+            system = replace(system, impact_law="two_corner", restitution=form.housner_restitution)
         except ValueError as error:
             raise ValueError(f"{striking[0].name}: {error}") from None
     # Those that do not strike with these numbers are kept where there is what others of a batch may change.

@@ -4,8 +4,8 @@ Changes     the modes: Method 2 (Ishiyama's six) in place of Method 1
 Parameters  friction mu [1], static and kinetic; no slip at any load (infinite) where it is absent; ratio_kept [1],
             what an impact keeps of the ratio of angular velocities where the base slides; beside bouncing nothing
 Use when    the base acceleration comes near mu g, or the block is stocky
-Limits      those of Method 2; a given restitution is carried by its two-corner law, which cannot have one below
-            Housner's, that of the form.  Not with effects that have further freedoms
+Limits      those of Method 2; a given restitution is carried by its two-corner law, one below Housner's with a couple
+            that resists the rotation.  Not with effects that have further freedoms
 Source      Ishiyama (1982); `rocking.method2`
 Status      tests of Method 2
 """
@@ -57,6 +57,6 @@ class Sliding(Effect):
         e = method.restitution
         if e is None and self.ratio_kept == 0.0:
             return {}
-        least = max(method.block.housner_restitution, 0.0) if form is None else form.least_restitution
-        e = least if e is None else e
+        if e is None:
+            e = max(method.block.housner_restitution, 0.0) if form is None else form.housner_restitution
         return {"impact_law": "two_corner", "restitution": e, "ratio_kept": self.ratio_kept}

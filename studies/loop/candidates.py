@@ -34,7 +34,6 @@ class Candidate:
     smooth: bool = True  # whether it has a derivative at its absent value: a score says something
     in_swings: bool = True  # whether swings show it; else whole records alone do
     extra: bool = False  # a form that is tried only where nothing simpler explains the data
-    least_restitution: float = 0.0  # [1] that it goes together with
     slips: bool = False  # whether a window begins with a slip that no rotation shows and that is carried over to it
     scanned: tuple[Mapping[str, float], ...] = ()  # values at which whole records are tried where swings do not tell
     replaces_restitution: bool = False  # whether the loss of an impact follows from its own parameters
@@ -207,13 +206,13 @@ def _sliding(block: DeclaredBlock) -> tuple[Candidate, ...]:
     frictions = [tips * ratio for ratio in (0.8, 0.95, 1.0, 1.03, 1.07, 1.12, 1.2, 1.3, 1.5, 2.0, 3.0)]
     finely = tips * np.geomspace(0.9, 2.0, 54)
     form = Form.of(_block(block)).edited(mass_height=block.centre_height, inertia=block.I_c)
-    least = form.least_restitution * (1.0 + 1e-12)
     starts = [{"sliding.friction": mu} for mu in frictions if mu < 1.3]
+    starts += [{RESTITUTION: form.housner_restitution, **start} for start in starts]
     return tuple(
         Candidate(
             name, "sliding", (Parameter("sliding.friction", 0.05 * tips, 0.02, 1.3),),
-            (*starts, *({RESTITUTION: least, **start} for start in starts)), {"sliding.ratio_kept": ratio_kept},
-            smooth=False, least_restitution=least, slips=True,
+            tuple(starts), {"sliding.ratio_kept": ratio_kept},
+            smooth=False, slips=True,
             scanned=tuple({"sliding.friction": float(mu)} for mu in finely if mu < 1.3), screened=6, after=after,
         )
         for name, ratio_kept, after in (("sliding", 0.0, ""), ("sliding[ratio]", 1.0, "sliding"))

@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 from rocking import G_STANDARD, Block, Method1
 from rocking.effect import Effect
 from rocking.effects import base_with, compose, load, rotation_reading
-from rocking.form import Form
 from rocking.hybrid import System
 from rocking.motion import BaseMotion
 from studies.campaigns import Channel, DeclaredBlock
@@ -89,14 +88,6 @@ class LoopModel:
             ValueError: the effects do not go together, or a parameter is out of its range.
         """
         return compose(Method1(self.block, restitution=self.restitution_now, g=self.g), self.parts)
-
-    @property
-    def least_restitution(self) -> float:
-        """Of the form with the effects on it [1], below which corners of a block that slides would have to pull."""
-        form = Form.of(self.block)
-        for part in self.parts:
-            form = part.form(form, self.block)
-        return form.least_restitution
 
     @property
     def restitution_now(self) -> float:

@@ -111,12 +111,8 @@ class Trial:
         return Trial((*self.names, part.name), (*self.parts, part), swing, score, self.calibrated_with(part))
 
     def calibrated_with(self, part: Candidate) -> tuple[Parameter, ...]:
-        """What is calibrated once an effect is there: restitution within what it goes together with, if at all."""
-        return tuple(
-            replace(p, low=max(p.low, part.least_restitution)) if p.name == RESTITUTION else p
-            for p in self.calibrated
-            if p.name != RESTITUTION or not part.replaces_restitution
-        )
+        """What is calibrated once an effect is there: no restitution that follows from its parameters."""
+        return tuple(p for p in self.calibrated if p.name != RESTITUTION or not part.replaces_restitution)
 
 
 @dataclass
@@ -337,14 +333,10 @@ def _on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> _First 
     begun: list[Fit] = []
     reason = "no start led anywhere"
     nothing = _nothing(onto, candidate)
-    least = {RESTITUTION: max(onto.swing.model.restitution, candidate.least_restitution)}
     starts: list[tuple[LoopModel, Sequence[Window], float]] = []
     for start in (*candidate.starts, *([nothing] if candidate.smooth else [])):
         try:
-            model = onto.swing.model.changed({**least, **candidate.fixed, **start})
-            if any(part.least_restitution > 0.0 for part in (*onto.parts, candidate)):
-                lowest = model.least_restitution * (1.0 + 1e-9)
-                model = model.changed({RESTITUTION: max(model.restitution, lowest)})
+            model = onto.swing.model.changed({**candidate.fixed, **start})
             starts.append((model, *((some, 0.0) if candidate.smooth else _afresh(simulator, model, some))))
         except ValueError as refusal:
             reason = str(refusal)

@@ -17,7 +17,6 @@ import numpy as np
 from studies.loop.candidates import Candidate
 from studies.loop.estimating import sensor_covariance
 from studies.loop.fitting import Fit, fit, fit_records
-from studies.loop.model import RESTITUTION
 from studies.loop.parameters import Parameter
 from studies.loop.preparing import Setup
 from studies.loop.rivals import TWIN, Rival
@@ -169,11 +168,10 @@ def _scanned(setup: Setup, whole: Fit, without: Fit, candidate: Candidate) -> tu
     Each is judged under what base noise does with the effect there: a record that hangs finely on the base then, and
     not without the effect, would own the sum of squares and lead to where it happens to be met.
     """
-    least = {RESTITUTION: max(without.model.restitution, candidate.least_restitution), **candidate.fixed}
 
     def at(values: Mapping[str, float]) -> tuple[float, Fit] | None:
         try:
-            model = without.model.changed({**least, **values})
+            model = without.model.changed({**candidate.fixed, **values})
             windows = weighed_under(setup, model, whole.windows)
             found = fit(setup.simulator, model, [], windows, whole=True, iterations=2)
         except ValueError:
@@ -181,7 +179,7 @@ def _scanned(setup: Setup, whole: Fit, without: Fit, candidate: Candidate) -> tu
         # The logarithm, as in a likelihood: what explains a record by making it unpredictable has to pay for it.
         return found.chi2 - 2.0 * sum(float(np.sum(np.log(w.weights * w.noise))) for w in windows), found
 
-    likely = _likely(setup, whole, without, candidate, least)
+    likely = _likely(setup, whole, without, candidate)
     found = [(*f, v) for v in likely if (f := at(v)) is not None]
     if not found:
         return None
@@ -197,20 +195,16 @@ def _scanned(setup: Setup, whole: Fit, without: Fit, candidate: Candidate) -> tu
     return (off, fit(setup.simulator, best.model, [], windows, whole=True, iterations=2)) if windows else None
 
 
-def _likely(
-    setup: Setup, whole: Fit, without: Fit, candidate: Candidate, least: Mapping[str, float]
-) -> list[Mapping[str, float]]:  # fmt: skip
+def _likely(setup: Setup, whole: Fit, without: Fit, candidate: Candidate) -> list[Mapping[str, float]]:
     """The scanned values whose runs come nearest, in their order.
 
     One run of each record says enough to leave out most.  Near means by the sum of log(1 + r^2), since what is lost of
     a record is lost, however far off it goes.
-
-    least: further numbers of the model.
     """
     near: dict[int, float] = {}
     for k, values in enumerate(candidate.scanned):
         try:
-            model = without.model.changed({**least, **values})
+            model = without.model.changed({**candidate.fixed, **values})
             found = fit(setup.simulator, model, [], whole.windows, whole=True, iterations=0)
         except ValueError:
             continue  # it does not go together with what is there already
