@@ -26,7 +26,10 @@ from .table import Table
 from .truth import Truth
 
 FREQUENCIES = (2.5, 3.0, 3.5, 4.0, 4.5, 5.0)
-NUISANCES = ("missing", "clipping", "truncated", "overturns", "mixed_sampling", "vertical_channel", "quantised")
+NUISANCES = (
+    "missing", "clipping", "truncated", "overturns", "mixed_sampling", "vertical_channel", "quantised", "lossy",
+)  # fmt: skip
+LOSSY = (0.93, 0.99)  # restitution of a block with lossy impacts, over Housner's
 TARGET = {"strong": (4.0, 60.0), "weak": (1.3, 2.2)}  # baseline error over floor
 ACCELEROMETER_NOISE = 0.03  # m/s^2
 MISALIGNMENT = np.radians(0.5)
@@ -209,12 +212,18 @@ def make_campaign(
         for one in given:
             if one not in known:
                 raise ValueError(f"{one!r}: want one of {', '.join(known)}")
+    if engine != "event" and "lossy" in nuisances:
+        raise ValueError(
+            f"'lossy': want the engine 'event' with it, since in {engine!r} losses come out of the contact"
+        )
     check_together(effects, engine)
     if engine != "event" and channel != "rotation":
         raise ValueError(f"channel={channel!r}: want 'rotation' of the engine {engine!r}, which tells no accelerations")
     label = name or "+".join(effects) or "null"
     rng = seeded(seed, *effects)
     block, restitution = declared_block(rng)
+    if "lossy" in nuisances:
+        restitution = housner(block.breadth, block.height) * seeded(seed, "lossy").uniform(*LOSSY)
     if engine == "mujoco":
         restitution = housner(block.breadth, block.height)
     ideal = Lab(uniform(block.breadth, block.height, block.mass, restitution), engine=engine)

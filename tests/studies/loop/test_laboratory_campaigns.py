@@ -69,6 +69,20 @@ def test_the_effect_is_seen_and_the_true_model_predicts(damped) -> None:
     assert truth.floor["fit"] < 4 * truth.noise
 
 
+def test_impacts_may_lose_more_than_housners_do(tmp_path) -> None:
+    plain, lossy = (
+        make_campaign(3, [], tmp_path / name, nuisances=nuisances)
+        for name, nuisances in (("plain", []), ("lossy", ["lossy"]))
+    )
+    block = read(tmp_path / "lossy" / "campaign" / "campaign.toml").block
+    assert block == read(tmp_path / "plain" / "campaign" / "campaign.toml").block
+    # Housner (1963) for a uniform rectangle.
+    least = 1.0 - 1.5 * math.sin(math.atan(block.breadth / block.height)) ** 2
+    assert 0.92 * least < lossy.restitution < least < plain.restitution
+    with pytest.raises(ValueError, match="'lossy': want the engine 'event'"):
+        make_campaign(3, [], tmp_path, nuisances=["lossy"], engine="mujoco")
+
+
 def test_a_clean_campaign_is_explained_by_the_ideal_block(tmp_path) -> None:
     """The baseline has a restitution to fit; its error is noise of the sensor, and what noise of the base does."""
     truth = make_campaign(3, [], tmp_path)
