@@ -125,6 +125,14 @@ class Form:
             )
         return both
 
+    def friction_to_stick(self, given: float | None = None) -> float:
+        """Friction [1] with which neither corner slips in an impact of this restitution (`restitutions`)."""
+        needed = []
+        for s, e in zip((1.0, -1.0), self.restitutions(given), strict=True):
+            arm = self.half_breadth + s * self.offset  # of the corner that takes over
+            needed.append(self.mass_height * (1.0 - e) / (2.0 * self.half_breadth - (1.0 - e) * arm))
+        return max(needed)
+
 
 def levers(xp: Any, phi: Any, a: Any, r: Any, q: Any, H: Any) -> tuple[Any, Any, Any, Any]:
     """(x, z, x', z') [m] of the centre of mass in the mirrored frame; H is its height less r."""

@@ -9,8 +9,8 @@ velocity u and the normal velocity v < 0.  An impulse (P_x, P_z) there changes t
 Laws     `frictional` (default): Chatterjee & Ruina (1998): normal restitution e_n exactly, tangential e_t within
          the friction cone; energy never grows.  `kinematic`: v -> -e_n v and u -> -e_t u, whatever friction would
          allow.  `two_corner`: plastic, with a share of the impulse at the corner that carried, so that rocking impacts
-         have a given ratio of angular speeds; a ratio below Housner's takes a couple as of rolling resistance besides.
-         `frictional` for all others.
+         have a given ratio of angular speeds; where that asks for a corner that pulls, a couple as of rolling
+         resistance acts besides.  `frictional` for all others.
 Source   Chatterjee & Ruina (1998), J. Appl. Mech. 65, 939-951, for the one-corner law; own derivation for the rest.
 Status   Ishiyama (1982) introduced a normal and a tangential coefficient; whether he limited the tangential impulse by
          friction is not known to us, hence the law is a named choice.
@@ -66,14 +66,14 @@ def two_corner_impact(
     """(u, omega) after a plastic rocking impact on corner s that both corners of an upright block share.
 
     The block stands on 2 a, its centre of mass is at a height H and o to the +x side of the middle.  The corners share
-    the normal impulse so that omega is multiplied by e where the base does not slide.  Where it slides with u, friction
-    adds to the moment: with `ratio_kept` = 0 the normal impulse stays where it is, with 1 the ratio of angular
-    velocities stays, and the impulse moves; linear in between.  No corner is pulled, and normal forces do no work on
-    the block on the whole, so that energy never grows; an e beyond that is not reached.
+    the normal impulse so that omega is multiplied by e where the base did not slide before.  Where it slides with u,
+    friction adds to the moment: with `ratio_kept` = 0 the normal impulse stays where it is, with 1 the ratio of angular
+    velocities stays, and the impulse moves; linear in between.  Normal forces do no work on the block on the whole, so
+    that energy never grows; an e beyond that is not reached.
 
-    An e below Housner's has all of the normal impulse at the new corner and a couple against the rotation besides: that
-    impulse times an arm by which it is moved beyond the corner, as in rolling resistance.  The couple does not turn the
-    block back.
+    No corner is pulled.  What would ask for it (an e below Housner's; a ratio that is kept) has all of the normal
+    impulse at the new corner and a couple against the rotation besides: that impulse times an arm by which it is moved
+    beyond the corner, as in rolling resistance.  The couple does not turn the block back.
     """
     w, U = s * omega, s * u  # turning onto corner s is positive, and so is slip to its side
     off = s * o
@@ -114,13 +114,16 @@ def two_corner_impact(
         )
         return xp.where(sticks, stopped, slid)
 
-    place = (1.0 - e) * (rho2 + H * H) / (2.0 * a - (1.0 - e) * q)
-    least, most = lossless(), loss_at(q)  # all at the new corner
-    resisted = loss_at(xp.where(place > q, place, q))
-    resisted = xp.where(resisted < w, resisted, w)
-    most = xp.where(resisted > most, resisted, most)
-    loss = (1.0 - ratio_kept) * loss_at(place) + ratio_kept * (1.0 - e) * w
-    loss = xp.where(loss < least, least, xp.where(loss > most, most, loss))
+    # Where the normal impulse is if the base did not slide before, as far as friction holds in the impact.
+    share = (1.0 - e) / (2.0 * a - (1.0 - e) * q)
+    drags = xp.where(rough | (H * share <= finite_mu), H * share, finite_mu)
+    place = share * rho2 + drags * H
+    least, stays, all_new = lossless(), loss_at(place), loss_at(q)
+    most = xp.where(place > q, w, all_new)
+    most = xp.where(most > all_new, most, all_new)
+    stays = xp.where(stays > most, most, stays)
+    loss = (1.0 - ratio_kept) * stays + ratio_kept * (1.0 - e) * w
+    loss = xp.where(loss < least, least, loss)
     P_x, sticks, _ = friction(loss)
     return xp.where(sticks, 0.0, s * (U + P_x + H * loss)), s * (w - loss)
 

@@ -57,18 +57,19 @@ class Method2:
             e_n = e_t = 0 then has Housner's restitution), "kinematic" (v -> -e_n v, u -> -e_t u at the corner), or
             "two_corner" (rocking impacts are plastic, e_n and e_t have no say in them, and have `restitution` where the
             base does not slide; landings from the air are frictional).
-        restitution: e of eq. (4) [1] for "two_corner", 0 to 1; not with another law.  Below Housner's, where corners
-            alone would have to pull, a couple as of rolling resistance takes the rest.
+        restitution: e of eq. (4) [1] for "two_corner", 0 to 1, of impacts before which the base did not slide; not
+            with another law.  Below Housner's, where corners alone would have to pull, a couple as of rolling
+            resistance takes the rest.
         g: acceleration of gravity [m/s^2].
         rest_speed: a rocking impact after which |omega| / p is below this [1] brings the block upright.
         chatter_time: a series of bounces that would end within this time [s] is finished at once.
         ratio_kept: what impacts of a sliding base keep [1], for "two_corner": 0 the place of the normal impulse, 1 the
-            ratio of angular velocities, as far as corners push and no energy is made; linear in between.
+            ratio of angular velocities, as far as no energy is made; linear in between.
         form: shape and mass where the block is no uniform rectangle with sharp edges.
 
     Raises:
         ValueError: an argument is out of its range; the kinematic pair (e_n, e_t) would create energy at some tilt;
-            friction is too low for the restitution of "two_corner"; a sliding corner of the form may jam.
+            with "two_corner" one side's restitution would be above 1; a sliding corner of the form may jam.
     """
 
     block: Block
@@ -167,15 +168,7 @@ class Method2:
         if self.restitution is None:
             raise ValueError("restitution=None: want a number with impact_law='two_corner'")
         within("restitution", self.restitution, 0.0, 1.0)
-        form, e = self.shape, self.restitution
-        for s, given in zip((1.0, -1.0), form.restitutions(e), strict=True):
-            arm = form.half_breadth + s * form.offset  # of the corner that takes over
-            needed = form.mass_height * (1.0 - given) / (2.0 * form.half_breadth - (1.0 - given) * arm)
-            if self.mu_k < needed:
-                raise ValueError(
-                    f"friction={self.mu_k!r} (kinetic): want at least {needed:.6g}, or the corner slips in the impact "
-                    f"and restitution={e!r} cannot be had"
-                )
+        self.shape.restitutions(self.restitution)
 
     @property
     def shape(self) -> Form:

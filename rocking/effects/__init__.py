@@ -159,10 +159,14 @@ def _under_method2(method: Any, form: Any, effects: Sequence[Effect]) -> System:
                 f"{striking[0].name}: it changes the restitution, which impacts that bounce or turn back have not as a "
                 "number"
             )
-        try:
-            system = replace(system, impact_law="two_corner", restitution=form.housner_restitution)
-        except ValueError as error:
-            raise ValueError(f"{striking[0].name}: {error}") from None
+        least = form.friction_to_stick()
+        if system.mu_k < least:
+            raise ValueError(
+                f"{striking[0].name}: friction={system.mu_k!r} (kinetic): want at least {least:.6g} or a restitution "
+                "that is given; in an impact with less friction the corner slips, and what it keeps is no number that "
+                "could be changed"
+            )
+        system = replace(system, impact_law="two_corner", restitution=form.housner_restitution)
     # Those that do not strike with these numbers are kept where there is what others of a batch may change.
     hooks = _hooks(effects, form, None if system.impact_law == "two_corner" else striking)
     return ComposedMethod2(system, hooks, tuple(effects)) if hooks.pushing + hooks.striking > 0 else system

@@ -57,8 +57,6 @@ TABLE = [
     (m2(impact_law="two_corner"), "restitution", None),
     (m2(impact_law="two_corner", restitution=1.01), "restitution", 1.01),
     (m2(impact_law="two_corner", restitution=-0.01), "restitution", -0.01),
-    (m2(impact_law="two_corner", restitution=0.5, friction=1.0), "friction", 1.0),
-    (m2(impact_law="two_corner", restitution=0.93, friction=0.1), "friction", 0.1),
     (m2(restitution=0.95), "restitution", 0.95),
     *((m2(impact_law="two_corner", restitution=0.95, ratio_kept=v), "ratio_kept", v) for v in (-0.1, 1.1, NAN, INF)),
     (m2(ratio_kept=0.5), "ratio_kept", 0.5),
