@@ -37,6 +37,9 @@ SLOPE_STEP = 0.01
 MOST_STEPS = 30
 """Of Newton's method; a straight line takes one."""
 
+ENOUGH = 1e-14
+"""Step [rad] over 1 and the rotation below which Newton's method has arrived: what is left is rounding."""
+
 ALONG = 9
 """Places between none and a rotation at which its reading has to grow."""
 
@@ -118,12 +121,17 @@ class LoopModel:
         NaN where the reading does not grow all the way from no rotation to there: it says nothing unique, or never so.
         """
         wanted = np.asarray(reading, dtype=np.float64)
+        if not any("reading" in part.ways() for part in self.parts):
+            return np.where(np.isfinite(wanted), wanted, np.nan)
         theta = wanted.copy()
         with np.errstate(all="ignore"):
             for _ in range(MOST_STEPS):
-                theta = theta + (wanted - self.reading(theta)) / self.reading_slope(theta)
+                step = (wanted - self.reading(theta)) / self.reading_slope(theta)
+                theta = theta + step
+                if not np.any(np.abs(step) > ENOUGH * (1.0 + np.abs(theta))):
+                    break
             there = np.abs(self.reading(theta) - wanted) <= 1e-9 * (1.0 + np.abs(wanted))
-            grows = [self.reading_slope(share * theta) > 0.0 for share in np.linspace(0.0, 1.0, ALONG)]
+            grows = self.reading_slope(np.multiply.outer(np.linspace(0.0, 1.0, ALONG), theta)) > 0.0
             return np.where(there & np.all(grows, axis=0), theta, np.nan)
 
     def axis(self, channel: Channel) -> tuple[float, float]:
