@@ -183,6 +183,21 @@ def score(lab: Lab, plans: Sequence[Plan], tests: Sequence[Test], hidden: dict[s
     return float(np.median(scores))
 
 
+def _check_asked(effects: Sequence[str], channel: str, nuisances: Sequence[str], engine: str) -> None:
+    """Raise ValueError where an effect or nuisance is not there, or no laboratory has what is asked for together."""
+    for given, known in ((effects, NAMED | UNNAMED), (nuisances, NUISANCES)):
+        for one in given:
+            if one not in known:
+                raise ValueError(f"{one!r}: want one of {', '.join(known)}")
+    if engine != "event" and "lossy" in nuisances:
+        raise ValueError(
+            f"'lossy': want the engine 'event' with it, since in {engine!r} losses come out of the contact"
+        )
+    check_together(effects, engine)
+    if engine != "event" and channel != "rotation":
+        raise ValueError(f"channel={channel!r}: want 'rotation' of the engine {engine!r}, which tells no accelerations")
+
+
 def make_campaign(
     seed: int,
     effects: Sequence[str],
@@ -208,24 +223,15 @@ def make_campaign(
         ValueError: an effect or nuisance that is not there, or effects that no laboratory has together.
     """
     effects = list(effects)
-    for given, known in ((effects, NAMED | UNNAMED), (nuisances, NUISANCES)):
-        for one in given:
-            if one not in known:
-                raise ValueError(f"{one!r}: want one of {', '.join(known)}")
-    if engine != "event" and "lossy" in nuisances:
-        raise ValueError(
-            f"'lossy': want the engine 'event' with it, since in {engine!r} losses come out of the contact"
-        )
-    check_together(effects, engine)
-    if engine != "event" and channel != "rotation":
-        raise ValueError(f"channel={channel!r}: want 'rotation' of the engine {engine!r}, which tells no accelerations")
+    _check_asked(effects, channel, nuisances, engine)
     label = name or "+".join(effects) or "null"
     rng = seeded(seed, *effects)
     block, restitution = declared_block(rng)
+    least = housner(block.breadth, block.height)
     if "lossy" in nuisances:
-        restitution = housner(block.breadth, block.height) * seeded(seed, "lossy").uniform(*LOSSY)
+        restitution = least * float(seeded(seed, "lossy").uniform(*LOSSY))
     if engine == "mujoco":
-        restitution = housner(block.breadth, block.height)
+        restitution = least
     ideal = Lab(uniform(block.breadth, block.height, block.mass, restitution), engine=engine)
     odd = frozenset(nuisances)
     vertical = "vertical_channel" in odd and "vertical_motion" not in effects

@@ -41,6 +41,12 @@ def test_a_model_finds_the_rotation_behind_a_reading():
     assert float(model.rotation(0.1)) == pytest.approx(brentq(lambda x: by_hand(x) - 0.1, -0.5, 0.5), abs=1e-11)
 
 
+def test_where_nothing_bears_on_the_sensor_a_reading_is_the_rotation():
+    readings = np.array([-0.25, 0.0, 0.2, np.nan, np.inf])
+    found = LoopModel(DECLARED, 0.9, {"viscous_damping": {"coefficient": 0.1}}).rotation(readings)
+    np.testing.assert_array_equal(found, [-0.25, 0.0, 0.2, np.nan, np.nan])
+
+
 def test_a_reading_beyond_what_a_bent_sensor_can_say_has_no_rotation():
     """theta + 20 theta^2 is nowhere below -1/80 rad."""
     model = LoopModel(DECLARED, 0.9, {"learned_reading": {"square": 20.0}})
