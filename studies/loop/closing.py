@@ -12,12 +12,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from studies.campaigns import Campaign, DeclaredBlock
-from studies.loop.candidates import Candidate
+from studies.campaigns import Campaign
 from studies.loop.fitting import Fit
 from studies.loop.keeping import Keeper
 from studies.loop.learned_curves import Curve, curves
-from studies.loop.learning import FREEDOMS, LEARNED, LOSS, WITH_A_NAME, alike, learn, memories, profiles, terms
+from studies.loop.learning import FREEDOMS, LEARNED, LOSS, alike, learn, memories, profiles, unnamed
 from studies.loop.model import LoopModel
 from studies.loop.names import readable
 from studies.loop.preparing import Setup, as_declared, prepare
@@ -134,14 +133,17 @@ def close(
     path = traced(setup, plain, tell)
     rivals, rounds = path.rivals, path.rounds
     named = Revision(path.trials[-1], path.fits[-1], tuple(rounds[: len(path.trials) - 1]))
-    if not rivals:
+    if path.term is not None:
+        # Names stand for what has none: they are neither revised nor compared, and nothing is learned on top of them.
+        named, rivals = Revision(plain, path.fits[0], ()), ()
+    elif not rivals:
         named = revised(setup, plain, path.trials[-1], path.fits[-1], rounds, tell)
     tell("comparing rivals")
     if not rivals and named.trial.parts:
         named, rivals = _compared(setup, plain, named, rounds, tell)
     stands, whole = (rivals[0].trial, rivals[0].whole) if rivals else (named.trial, named.whole)
     before = settle(setup, plain, path.fits[0])
-    chosen, verdict, after, unlearned = _kept(setup, plain, path.fits[0], before, stands, whole, tell)
+    chosen, verdict, after, unlearned = _kept(setup, plain, path, before, stands, whole, tell)
     if chosen is not stands:
         rivals = ()
     verdict, said = _of_whole_records(setup, chosen, verdict, whole, path.decided)
@@ -255,7 +257,7 @@ def _otherwise(
                 return best
     if met:
         return None
-    by_term = search(setup.simulator, plain, _unnamed(declared), tell)
+    by_term = search(setup.simulator, plain, unnamed(declared), tell)
     found = hinted(setup, plain, bare, replace(by_law, trials=[*by_law.trials, *by_term.trials]))
     return next((r.trial for r in found[:1] if explains_more(setup, r.whole, whole)), None)
 
@@ -263,27 +265,25 @@ def _otherwise(
 def _one_in_place_of(setup: Setup, plain: Trial, named: Trial, whole: Fit, tell: Tell) -> Trial | None:
     """One coefficient without a name that swings and whole records prefer to effects with a name that meet them."""
     tell("asking whether one coefficient without a name explains more")
-    best = search(setup.simulator, plain, _unnamed(plain.swing.model.declared), tell).best
+    best = search(setup.simulator, plain, unnamed(plain.swing.model.declared), tell).best
     if best is None or bic(best.swing) > bic(named.swing):
         return None
     return best if explains_more(setup, whole_fit(setup, best, whole), whole) else None
 
 
-def _unnamed(declared: DeclaredBlock) -> list[Candidate]:
-    """Single coefficients that are none of the effects with a name, which have been asked."""
-    return [c for c in terms(declared) if not WITH_A_NAME & {p.name for p in c.parameters} or len(c.parameters) > 1]
-
-
 def _kept(
-    setup: Setup, plain: Trial, bare: Fit, before: Settled, stands: Trial, whole: Fit, tell: Tell
+    setup: Setup, plain: Trial, path: Path, before: Settled, stands: Trial, whole: Fit, tell: Tell
 ) -> tuple[Trial, Verdict, Settled, tuple[str, ...]]:
     """The trial to keep with its verdict, its parameters, and what is to be said of what was not kept.
 
-    bare: the fit on whole records of the calibrated block.
+    path: the one that the search took.
     before: the calibrated block, settled.
     whole: the fit on whole records of the effects that stand.
     """
-    chosen, verdict = _explained(setup, plain, bare, stands, whole, tell)
+    chosen: Trial | None = path.term
+    verdict: Verdict = "unexplained"
+    if chosen is None:
+        chosen, verdict = _explained(setup, plain, path.fits[0], stands, whole, tell)
     by_name = settle(setup, stands, whole) if stands.parts else before
     if chosen is stands:
         return stands, verdict, by_name, ()

@@ -115,6 +115,11 @@ def terms(block: DeclaredBlock) -> tuple[Candidate, ...]:
     return (*found.values(), *by_side, _term(DRIFT, 0.002))
 
 
+def unnamed(block: DeclaredBlock) -> list[Candidate]:
+    """Single coefficients that are none of the effects with a name."""
+    return [c for c in terms(block) if not WITH_A_NAME & {p.name for p in c.parameters} or len(c.parameters) > 1]
+
+
 def _term(full: str, size: float) -> Candidate:
     parameter = Parameter(full, size, -50.0 * size, 50.0 * size)
     name = full if full == DRIFT else f"learned[{full.partition('.')[2]}]"

@@ -40,6 +40,7 @@ class Path:
     rivals: tuple[Rival, ...] = ()  # of the last trial where whole records decided among them
     decided: frozenset[str] = frozenset()  # the forms on which they decided
     said: tuple[str, ...] = ()  # of the way there
+    term: Trial | None = None  # one coefficient without a name that explains what none of this does
 
     @property
     def last(self) -> Trial:
@@ -54,18 +55,18 @@ class Path:
 
 def followed(
     setup: Setup, begin: Path, pool: Sequence[Candidate], tell: Tell, *, later: bool = False,
-    begun: Sequence[Round] = (),
+    begun: Sequence[Round] = (), most: int = MOST_EFFECTS,
 ) -> Path:  # fmt: skip
     """The search, one effect after the other.
 
     begin: what is accepted already.
     later: whether candidates whose runs take long are left out; then two effects have to be enough.
     begun: rounds of a search that left them out.
+    most: effects after which it ends.
     """
     path, rounds, fits = list(begin.trials), list(begin.rounds), list(begin.fits)
-    rivals: tuple[Rival, ...] = ()
-    decided: set[str] = set()
-    for depth in range(len(rounds), MOST_EFFECTS):
+    rivals, decided = begin.rivals, set(begin.decided)
+    for depth in range(len(rounds), most):
         if depth > 1 and ((later and not by_chance(setup, path[-1])) or path[-1].swing.rms < NOTHING_LEFT):
             break
         if path[-1].costly and (depth >= MOST_EFFECTS_COSTLY or explains(setup, path[-1], fits[-1])):

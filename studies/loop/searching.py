@@ -2,7 +2,8 @@
 
 The effect that explains most by itself may be none of those that act together.  So where something is left over, the
 search goes on from those that came near the first one, too.  Runs on floors that give take so long that what two other
-effects explain is asked first.
+effects explain is asked first.  Where one coefficient without a name explains all, and effects that are quickly tried
+do not, the search goes neither way.
 
 Source   none, own convention
 Status   a planted pair of which one effect came second to a stand-in for both is found (docs/benchmarks.md)
@@ -14,7 +15,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from studies.loop.candidates import Candidate
-from studies.loop.learning import terms
+from studies.loop.learning import terms, unnamed
 from studies.loop.names import readable
 from studies.loop.preparing import Setup
 from studies.loop.remaining import CLOSELY, by_chance, declared_noise, explains, over_noise, slips, unexplained
@@ -47,7 +48,12 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     if not setup.by_rotation:
         pool = tuple(c for c in pool if c.effect not in OF_THE_ROTATION_SENSOR)
     begin = Path([plain], [], [whole_fit(setup, plain)])
-    greedy = followed(setup, begin, pool, tell, later=True)
+    first = followed(setup, begin, pool, tell, later=True, most=1)
+    without_names = _without_names(setup, plain, first, pool, tell)
+    if without_names is not None:
+        return without_names
+    # Where no first effect was accepted there is nothing to go on from.
+    greedy = followed(setup, first, pool, tell, later=True) if len(first.trials) > 1 else first
     paths = [greedy, *_going_back(setup, greedy, pool, tell)]
     # One effect alone was left in the first round already.
     quick = _best(setup, [greedy, *(p for p in paths[1:] if len(p.trials) > 2)])
@@ -86,9 +92,45 @@ def _one_term_is_enough(setup: Setup, plain: Trial, tell: Tell) -> bool:
         return False
     tell("something is left: asking coefficients without a name")
     best = search(setup.simulator, plain, terms(plain.swing.model.declared), tell).best
-    if best is None or over_noise(setup, best) > unexplained(setup):
+    return best is not None and _is_enough(setup, best)
+
+
+def _is_enough(setup: Setup, term: Trial) -> bool:
+    if over_noise(setup, term) > unexplained(setup):
         return False
-    return whole_fit(setup, best).rms < (MISSED if by_chance(setup, best) else CLOSELY)
+    return whole_fit(setup, term).rms < (MISSED if by_chance(setup, term) else CLOSELY)
+
+
+def _without_names(
+    setup: Setup, plain: Trial, first: Path, pool: Sequence[Candidate], tell: Tell
+) -> Path | None:  # fmt: skip
+    """The path that goes no further since one coefficient without a name explains what effects with one do not.
+
+    It has to leave nothing where a first effect, and any smooth one on top of it, leave structure; swings have to
+    prefer it by far, and whole records must not refuse it.
+
+    first: the path after its first round.
+    """
+    if not setup.by_rotation or not declared_noise(setup) or explains(setup, first.last, first.whole):
+        return None
+    tell("something is left: asking coefficients without a name")
+    term = search(setup.simulator, plain, unnamed(plain.swing.model.declared), tell).best
+    if term is None or not pays(plain.swing, term.swing) or not _is_enough(setup, term):
+        return None
+    path, smooth = first, [c for c in pool if c.smooth]
+    if len(first.trials) > 1:
+        path = followed(setup, first, smooth, tell, later=True, most=2)
+    if explains(setup, path.last, path.whole) or bic(term.swing) > bic(path.last.swing) - PAYS:
+        return None
+    if explains_more(setup, path.whole, whole_fit(setup, term)):
+        return None
+    rounds = []
+    for tried in path.rounds:
+        left = list(tried.put_off)
+        if tried.onto is not plain:
+            left += [c for c in pool if not c.smooth and c.effect not in tried.onto.effects]
+        rounds.append(replace(tried, put_off=(), skipped=tried.skipped | {c.name: ONE_TERM for c in left}))
+    return replace(path, rounds=rounds, term=term)
 
 
 def _nothing_is_left(setup: Setup, path: Path) -> bool:

@@ -9,7 +9,7 @@ import pytest
 
 from studies.campaigns import DeclaredBlock
 from studies.loop import closing, learning, remaining
-from studies.loop.learning import terms
+from studies.loop.learning import unnamed
 from studies.loop.rivals import Rival, other_forms, twins
 from studies.loop.tracing import Round
 
@@ -143,7 +143,7 @@ def test_what_was_learned_takes_the_place_of_names_where_it_explains_far_more(mo
     monkeypatch.setattr(closing, "whole_fit", lambda setup, trial, whole: whole)
     monkeypatch.setattr(closing, "explains_more", lambda setup, one, other: True)
     monkeypatch.setattr(closing, "search", lambda *_: Round(plain, [other]))
-    monkeypatch.setattr(closing, "terms", lambda block: ())
+    monkeypatch.setattr(closing, "unnamed", lambda block: ())
     monkeypatch.setattr(closing, "_one_in_place_of", lambda *_: None)  # tried by itself below
     monkeypatch.setattr(closing, "hinted", lambda setup, onto, bare, tried: ())
     monkeypatch.setattr(
@@ -194,7 +194,7 @@ def test_a_law_that_has_no_name_is_asked_of_whole_records_that_names_miss(monkey
     monkeypatch.setattr(closing, "by_chance", lambda setup, trial: True)
     monkeypatch.setattr(closing, "memories", lambda block, windows: ())
     monkeypatch.setattr(closing, "profiles", lambda block, windows: ())
-    monkeypatch.setattr(closing, "terms", lambda block: terms(DeclaredBlock(0.2, 0.8, 0.4, 40.0)))
+    monkeypatch.setattr(closing, "unnamed", lambda block: unnamed(DeclaredBlock(0.2, 0.8, 0.4, 40.0)))
     monkeypatch.setattr(closing, "explains_more", lambda setup, one, other: says and one == "its")
 
     def search(simulator, onto, pool, tell):
@@ -320,7 +320,7 @@ def test_one_coefficient_takes_the_place_of_two_names_that_swings_and_whole_reco
     monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.0)
     monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
     monkeypatch.setattr(closing, "by_chance", lambda setup, trial: True)
-    monkeypatch.setattr(closing, "terms", lambda block: terms(DeclaredBlock(0.2, 0.8, 0.4, 40.0)))
+    monkeypatch.setattr(closing, "unnamed", lambda block: unnamed(DeclaredBlock(0.2, 0.8, 0.4, 40.0)))
     monkeypatch.setattr(closing, "whole_fit", lambda setup, trial, whole: trial)
     monkeypatch.setattr(closing, "explains_more", lambda setup, fitted, other: says and fitted is one)
 
@@ -339,7 +339,7 @@ def test_nothing_is_learned_where_two_effects_leave_what_noise_leaves(monkeypatc
     plain, found = explained_trial(20_000.0), explained_trial(9_000.0, "rounded_edges", "viscous_damping")
     monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.01)
     monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
-    monkeypatch.setattr(closing, "terms", lambda block: ())
+    monkeypatch.setattr(closing, "unnamed", lambda block: ())
     monkeypatch.setattr(closing, "search", lambda simulator, onto, pool, tell: Round(onto))
     asked = []
     monkeypatch.setattr(closing, "learn", lambda *_, **__: asked.append(1) or plain)

@@ -34,6 +34,8 @@ def ways(monkeypatch):
     monkeypatch.setattr(searching, "declared_noise", lambda setup: told.declared)
     told.asked_for_a_term = searching._one_term_is_enough
     monkeypatch.setattr(searching, "_one_term_is_enough", lambda setup, plain, tell: told.term)
+    told.without_names = searching._without_names
+    monkeypatch.setattr(searching, "_without_names", lambda *search: None)
     for module in (rounds, searching):
         monkeypatch.setattr(module, "by_chance", lambda setup, trial: told.chance)
         monkeypatch.setattr(module, "explains", lambda setup, trial, whole: told.explains)
@@ -446,3 +448,104 @@ def test_what_was_left_explains_most_by_itself_only_if_it_does(stand_in):
     stand_in.trials[()].append(path_of("c", chi2=990.0))
     found = stand_in.searched()
     assert found.last.names == ("a", "b") and found.said == ()
+
+
+@pytest.fixture
+def term(stand_in, monkeypatch):
+    """One coefficient without a name leaves nothing; `both` does, and `both` with `b` on top of it, which is smooth."""
+    found = path_of("learned[side]", chi2=450.0)
+    pool = [SimpleNamespace(name=n, effect=n, smooth=n != "rough", in_swings=True) for n in ("both", "a", "b", "rough")]
+    stand_in.pools, stand_in.enough = [], None
+    stand_in.accepted = {((), True): stand_in.first["both"], (("both",), True): path_of("both", "b", chi2=600.0)}
+    stand_in.put_off = (SimpleNamespace(name="floor"),)
+    stand_in.left, stand_in.found, stand_in.its_whole = 1.01, found, 1.0
+    one_round = rounds._round
+
+    def noted(setup, onto, whole, pool, tell, known, later):
+        stand_in.pools.append([c.name for c in pool])
+        return one_round(setup, onto, whole, pool, tell, known, later)
+
+    def search(simulator, onto, pool, tell):
+        assert onto is stand_in.plain and pool == ("those without a name",)
+        return Round(onto, [stand_in.found] if stand_in.found else [])
+
+    monkeypatch.setattr(rounds, "_round", noted)
+    monkeypatch.setattr(searching, "all_candidates", lambda model, friction: tuple(pool))
+    monkeypatch.setattr(searching, "_without_names", stand_in.without_names)
+    monkeypatch.setattr(searching, "unnamed", lambda block: ("those without a name",))
+    monkeypatch.setattr(searching, "search", search)
+    monkeypatch.setattr(searching, "over_noise", lambda setup, trial: stand_in.left)
+    monkeypatch.setattr(searching, "unexplained", lambda setup: 1.05)
+    monkeypatch.setattr(
+        searching,
+        "whole_fit",
+        lambda setup, trial: (
+            SimpleNamespace(rms=stand_in.its_whole, of=trial.names, best=None)
+            if trial is found
+            else whole_of(stand_in, trial)
+        ),
+    )
+    stand_in.plain.swing.model = SimpleNamespace(declared=None)
+
+    def searched():
+        stand_in.rounds.clear()
+        stand_in.pools.clear()
+        setup = setup_of(stand_in.by_rotation)
+        setup.simulator = None
+        return searching.traced(setup, stand_in.plain, lambda text: None)
+
+    stand_in.searched = searched
+    return stand_in
+
+
+def test_where_one_coefficient_leaves_nothing_that_smooth_effects_leave_the_search_ends(term):
+    found = term.searched()
+    assert found.term is term.found
+    # On top of the first effect smooth ones alone were tried, and no way back was gone.
+    assert [onto for onto, *_ in term.rounds] == [(), ("both",)]
+    assert term.pools == [["both", "a", "b", "rough"], ["both", "a", "b"]]
+    assert [t.names for t in found.trials] == [(), ("both",), ("both", "b")]
+    # Of each round it is said what was not tried, and why.
+    assert [set(r.skipped) for r in found.rounds] == [{"floor"}, {"floor", "rough"}]
+    assert all(why == searching.ONE_TERM for r in found.rounds for why in r.skipped.values())
+    assert not any(r.put_off for r in found.rounds)
+
+
+@pytest.mark.parametrize(
+    ("change", "asked"),
+    [
+        pytest.param({"by_rotation": False}, False, id="accelerometers"),
+        pytest.param({"declared": False}, False, id="estimated noise"),
+        pytest.param({"found": None}, False, id="no coefficient"),
+        pytest.param({"found": path_of("learned[side]", chi2=9950.0)}, False, id="it does not pay"),
+        pytest.param({"left": 1.06}, False, id="it leaves structure"),
+        pytest.param({"its_whole": 1.31}, False, id="it misses whole records"),
+        pytest.param({"pair": True}, True, id="smooth effects leave nothing"),
+        pytest.param({"found": path_of("learned[side]", chi2=541.0)}, True, id="swings do not prefer it by far"),
+        pytest.param({"whole_prefers": ("both", "b")}, True, id="whole records refuse it"),
+    ],
+)
+def test_names_are_searched_for_to_the_end_unless_the_coefficient_has_all_for_it(term, change, asked):
+    """asked: whether smooth effects were tried on top of the first one before."""
+    term.left = 1.01
+    if change.pop("pair", False):
+        term.enough = term.accepted[("both",), True]
+    for name, value in change.items():
+        setattr(term, name, value)
+    found = term.searched()
+    assert found.term is None
+    assert ["both", "a", "b"] in term.pools if asked else ["both", "a", "b"] not in term.pools
+    assert term.pools[-1] == ["both", "a", "b", "rough"]
+
+
+def test_no_coefficient_is_asked_for_where_the_first_effect_explains_all(term, monkeypatch):
+    term.enough = term.first["both"]
+    monkeypatch.setattr(searching, "search", None)
+    assert term.searched().term is None
+
+
+def test_where_no_effect_was_accepted_one_coefficient_may_be_the_answer(term):
+    term.accepted = {}
+    found = term.searched()
+    assert found.term is term.found
+    assert [t.names for t in found.trials] == [()] and [onto for onto, *_ in term.rounds] == [()]
