@@ -8,8 +8,9 @@ drops out of the equation of rotation while it lasts:
     (I_c / m + D^2 + kappa Z D) phi'' = (D + kappa Z) (-f_z - (Z - r) phi'^2) + T / m - I_c b'' / m
 
 An impact keeps the ratio of angular speeds; its horizontal impulse is what stops slip, or friction times the vertical
-impulse if that is less.  Changes between stick and slip are located, as impacts are: put off to the next of steps of
-5e-5 s they move what friction seems to be by 1e-5 to 1e-3 of itself.
+impulse if that is less.  Where the foot slips so fast that normal forces would then do work on the block, or the block
+had more energy after the impact, the ratio is the one at which that ends.  Changes between stick and slip are located,
+as impacts are: put off to the next of steps of 5e-5 s they move what friction seems to be by 1e-5 to 1e-3 of itself.
 """
 
 from __future__ import annotations
@@ -143,14 +144,41 @@ def let_go_standing(x, h, c, S, V, sense, P):
 
 
 @njit
+def blow(s, w, V, e, P):
+    """(slip after an impact that multiplies the angular speed w by e, energy made in it per mass)."""
+    half, off = P[B] - P[R], s * P[OFF]
+    change = s * P[H] * w * (1.0 - e)
+    lift = (half * (1.0 + e) - off * (1.0 - e)) * w
+    need, most = change - V, P[MU] * lift
+    impulse = min(most, max(-most, need))
+    V1 = 0.0 if impulse == need else impulse + V - change
+    # Moments about the centre of mass share the vertical impulse among the edges: half w times what the new one bears
+    # more.  The old one then comes up with 2 half e w, the new one came down with 2 half w.
+    I = P[IC] / P[M]  # noqa: E741
+    more = (I * w * (1.0 - e) + s * P[H] * impulse - off * lift) / half
+    by_normal = half * w * 0.5 * (e * (lift - more) - (lift + more))
+    before, after = V - s * P[H] * w, V1 - s * P[H] * e * w  # of the centre of mass, along the floor
+    rise = I * (e * e - 1.0) * w * w + ((half + off) * e * w) ** 2 - ((half - off) * w) ** 2
+    return V1, max(by_normal, 0.5 * (after * after - before * before + rise))
+
+
+@njit
 def strike(s, v, V, e, P):
     """(angular speed, slip) after an impact that ends a swing on side s with angular velocity v < 0."""
     w = abs(v)
-    change = s * P[H] * w * (1.0 - e)
-    lifted = (P[B] - P[R]) * (1.0 + e) - s * P[OFF] * (1.0 - e)
-    need, most = change - V, P[MU] * lifted * w
-    impulse = min(most, max(-most, need))
-    return e * w, 0.0 if impulse == need else impulse + V - change
+    nothing = 1e-12 * (w * w * (P[IC] / P[M] + P[H] * P[H]) + V * V)  # what rounding makes of no energy at all
+    slips, made = blow(s, w, V, e, P)
+    if made > nothing:
+        least, most = 0.0, e
+        for _ in range(60):
+            e = 0.5 * (least + most)
+            if blow(s, w, V, e, P)[1] > nothing:
+                most = e
+            else:
+                least = e
+        e = least
+        slips = blow(s, w, V, e, P)[0]
+    return e * w, slips
 
 
 @njit

@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rocking import Method1, solve
+from rocking import Block, Method1, scalars, solve
 from rocking.effects import load
+from rocking.impacts import two_corner_impact
 from studies.laboratory import event, slip
-from studies.laboratory.parameters import G
+from studies.laboratory.parameters import G, uniform
 
 from .laboratory_blocks import (
     AT_REST,
@@ -42,18 +43,17 @@ def test_friction_that_holds_changes_nothing() -> None:
 @pytest.mark.parametrize(
     ("restitution", "friction", "lean", "impacts"),
     [
-        (RESTITUTION, 0.15, 0.2, 1), (RESTITUTION, 0.2, 0.2, 6),
-        (RESTITUTION, 0.22, 0.2, 10), (RESTITUTION, 0.36, 0.0, 20),
-        (LOSSY, 0.15, 0.2, 18), (LOSSY, 0.2, 0.2, 16), (LOSSY, 0.22, 0.2, 23), (LOSSY, 0.36, 0.0, 20),
+        (RESTITUTION, 0.15, 0.2, 19), (RESTITUTION, 0.2, 0.2, 23),
+        (RESTITUTION, 0.22, 0.2, 19), (RESTITUTION, 0.36, 0.0, 22),
+        (LOSSY, 0.15, 0.2, 18), (LOSSY, 0.2, 0.2, 16), (LOSSY, 0.22, 0.2, 23), (LOSSY, 0.36, 0.0, 23),
     ],
 )  # fmt: skip
 def test_impacts_of_a_block_whose_foot_slips_are_those_of_the_package(
     restitution: float, friction: float, lean: float, impacts: int
 ) -> None:
-    """Slip in the swings and in the impacts.
+    """Slip in the swings and in the impacts, and the ratio of angular speeds as far as it makes no energy.
 
-    At little friction the foot slips at last so fast that the laboratory's ratio of angular speeds makes energy (normal
-    forces do work on the block), which the package's does not then; where the ratio is low that does not come.
+    The laboratory comes to rest earlier than the package; up to there all impacts are compared.
     """
     system, forced = Method1(BLOCK, restitution=restitution, g=G), lean == 0.0
     floor_moves = floor(Shaking.kernel(np, TIME, Shaking.parameters)[0]) if forced else AT_REST
@@ -67,7 +67,28 @@ def test_impacts_of_a_block_whose_foot_slips_are_those_of_the_package(
     assert ours == pytest.approx(theirs, abs=1e-9)
     stuck = event.simulate(world, floor_moves, STEP, 4, lean).impacts[:impacts, 0]
     # Slip matters: so far it moves an impact.  A block that loses more rocks less, and slips less.
-    assert abs(ours - stuck).max() > (0.05 if impacts > 1 and restitution == RESTITUTION else 1e-4)
+    common = min(len(stuck), impacts)
+    assert abs(ours[:common] - stuck[:common]).max() > (0.05 if restitution == RESTITUTION else 1e-4)
+
+
+def test_an_impact_keeps_the_ratio_as_far_as_it_makes_no_energy_and_then_is_that_of_the_package() -> None:
+    """The laboratory halves an interval, the package solves quadratics; some of the blocks are off their middle."""
+    rng, bounded = np.random.default_rng(7), 0
+    for _ in range(1000):
+        breadth, w, side = rng.uniform(0.1, 0.8), rng.uniform(0.1, 3.0), float(rng.choice([-1, 1]))
+        block = Block(breadth, 1.0)
+        e = rng.uniform(0.3 * block.housner_restitution, 1.0)
+        friction, begun = rng.uniform(0.05, 1.2), w * rng.uniform(-1.5, 1.5)
+        offset = breadth * float(rng.choice([-0.1, 0.0, 0.1]))
+        world = replace(uniform(breadth, 1.0, block.mass, e), friction=friction, offset=offset)
+        speed, slips = slip.strike(side, -w, begun, e, world.vector())
+        theirs, turns = two_corner_impact(
+            scalars, -side, begun, -side * w, 0.5 * breadth, offset, 0.5, world.inertia / world.mass, friction, e, 1.0
+        )
+        assert (speed, slips) == pytest.approx((-side * turns, theirs), abs=1e-9 * (w + abs(begun)))
+        bounded += speed < e * w * (1.0 - 1e-9)
+    # About a fifth of them would make energy.
+    assert 150 < bounded < 300
 
 
 class Pitching(Shaking):
@@ -81,9 +102,8 @@ class Pitching(Shaking):
         return 0.004 * xp.sin(w * t), -0.004 * w * w * xp.sin(w * t)
 
 
-# How far the effect alone moves an impact is that of `stuck`.  Friction, lean (0: the floor shakes), impacts: later on
-# the foot slips so fast that the laboratory's ratio of angular speeds makes energy.
-SLIPPING = [(0.22, 0.2, 7), (0.36, 0.0, 2)]
+# How far the effect alone moves an impact is that of `stuck`.  Friction, lean (0: the floor shakes), impacts.
+SLIPPING = [(0.22, 0.2, 12), (0.36, 0.0, 12)]
 
 
 @pytest.mark.parametrize(
