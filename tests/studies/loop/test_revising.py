@@ -401,8 +401,9 @@ def test_another_form_of_an_effect_may_take_its_place() -> None:
     [(1.0, ("vdr",), "effect"), (1.0, (), "none"), (1.2, ("vdr",), "unexplained"), (1.2, (), "unexplained")],
 )
 @pytest.mark.parametrize("carries", [True, False])
+@pytest.mark.parametrize("by_search", [True, False])
 def test_names_come_back_where_what_was_learned_does_not_carry(
-    monkeypatch: pytest.MonkeyPatch, left: float, names: tuple[str, ...], verdict: str, carries: bool
+    monkeypatch: pytest.MonkeyPatch, left: float, names: tuple[str, ...], verdict: str, carries: bool, by_search: bool
 ) -> None:
     """It is compared with the effects whose place it took, not with the calibrated block; theirs is the verdict."""
     plain, stands, memory = stub(chi2=5000.0), stub(*names, chi2=1000.0), stub("learned_memory", chi2=900.0)
@@ -420,8 +421,11 @@ def test_names_come_back_where_what_was_learned_does_not_carry(
 
     monkeypatch.setattr(closing, "errors", errors)
     monkeypatch.setattr(closing, "explains_more", lambda setup, found, other: False)
-    setup = SimpleNamespace(by_rotation=True)
-    kept, said_verdict, after, said = closing._kept(setup, plain, None, settled(()), stands, None, quiet)  # type: ignore[arg-type]
+    setup, path = SimpleNamespace(by_rotation=True), SimpleNamespace(term=None, fits=(None,))
+    if by_search:  # then nothing has to be learned
+        path.term = memory
+        monkeypatch.setattr(closing, "_explained", None)
+    kept, said_verdict, after, said = closing._kept(setup, plain, path, settled(()), stands, None, quiet)  # type: ignore[arg-type]
     assert asked == [("learned_memory",), names]
     if carries:
         assert (kept, said_verdict, said) == (memory, "unexplained", ())
