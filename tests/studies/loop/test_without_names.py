@@ -14,7 +14,7 @@ SIDE = 0.025
 def test_what_one_coefficient_explains_is_unexplained_and_neither_revised_nor_learned_again(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Restitution of 0.945 and 0.895 by side: four releases and a shaken record, planted by the package's own solver."""
+    """Restitution of 0.945 and 0.895 by side: four releases and a shaken record, of the package's own solver."""
     for later in ("revised", "learn", "_compared"):
         monkeypatch.setattr(closing, later, None)
     monkeypatch.setattr(searching, "_going_back", None)
