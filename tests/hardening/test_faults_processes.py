@@ -176,8 +176,8 @@ def test_the_loop_killed_or_interrupted_keeps_its_fits_and_what_was_there_and_a_
     command = faults.command("studies.loop", campaign, "--out", out)
     for way in (signal.SIGKILL, signal.SIGINT):
         child = faults.started(command)
-        had = len(list(out.glob(".fits/*/*.npz")))
-        faults.wait_for(lambda n=had: len(list(out.glob(".fits/*/*.npz"))) > n + 2, child)
+        had = len(list(out.glob(".fits/*/[!.]*.npz")))
+        faults.wait_for(lambda n=had: len(list(out.glob(".fits/*/[!.]*.npz"))) > n + 2, child)
         refused = subprocess.run(command, capture_output=True, text=True)
         assert refused.returncode == 2
         assert f"process {child.pid} is writing it; wait until it is done, or choose another" in refused.stderr
@@ -189,10 +189,10 @@ def test_the_loop_killed_or_interrupted_keeps_its_fits_and_what_was_there_and_a_
         assert {
             path.name: path.read_text() for path in out.iterdir() if path.is_file() and path.name in before
         } == before
-    kept = {path.name: path.stat().st_mtime_ns for path in out.glob(".fits/*/*.npz")}
+    kept = {path.name: path.stat().st_mtime_ns for path in out.glob(".fits/*/[!.]*.npz")}
     child = faults.started(command)
-    faults.wait_for(lambda: len(list(out.glob(".fits/*/*.npz"))) > len(kept), child)
-    found = {path.name: path.stat().st_mtime_ns for path in out.glob(".fits/*/*.npz")}
+    faults.wait_for(lambda: len(list(out.glob(".fits/*/[!.]*.npz"))) > len(kept), child)
+    found = {path.name: path.stat().st_mtime_ns for path in out.glob(".fits/*/[!.]*.npz")}
     assert all(found[name] == when for name, when in kept.items())  # none was done again
     assert child.communicate(timeout=600) and child.returncode == 0
     names = {"baseline.toml", "model.toml", "loop.json", "loop.nc", "report.html"}
