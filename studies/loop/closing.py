@@ -265,7 +265,7 @@ def _otherwise(
 def _one_in_place_of(setup: Setup, plain: Trial, named: Trial, whole: Fit, tell: Tell) -> Trial | None:
     """One coefficient without a name that swings and whole records prefer to effects with a name that meet them."""
     tell("asking whether one coefficient without a name explains more")
-    best = search(setup.simulator, plain, unnamed(plain.swing.model.declared), tell).best
+    best = search(setup.simulator, plain, unnamed(plain.swing.model.declared), tell, leading=True).best
     if best is None or bic(best.swing) > bic(named.swing):
         return None
     return best if explains_more(setup, whole_fit(setup, best, whole), whole) else None

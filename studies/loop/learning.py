@@ -262,7 +262,7 @@ def alike(simulator: Simulator, without: Trial, found: Trial, tell: Callable[[st
     """
     last = found.parts[-1]
     others = [c for c in open_to(without, _at_hand(without)) if c.name != last.name]
-    tried = search(simulator, without, others, tell, repeated=True).trials
+    tried = search(simulator, without, others, tell, repeated=True, leading=True).trials
     near = [t for t in tried if bic(t.swing) < bic(found.swing) + PAYS]
     return sorted(near, key=lambda t: bic(t.swing))[:MOST_ALIKE]
 
@@ -288,7 +288,8 @@ def _grown(
             break
         for pool, known in pools:
             if current.names not in known:
-                known[current.names] = search(simulator, current, open_to(current, pool), tell, repeated=True).best
+                left = open_to(current, pool)
+                known[current.names] = search(simulator, current, left, tell, repeated=True, leading=True).best
         bests = [known[current.names] for _, known in pools]
         best = min((t for t in bests if t is not None), key=lambda t: bic(t.swing), default=None)
         if best is None or not pays(current.swing, best.swing):

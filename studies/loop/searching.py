@@ -91,7 +91,7 @@ def _one_term_is_enough(setup: Setup, plain: Trial, tell: Tell) -> bool:
     if not setup.by_rotation or not declared_noise(setup):
         return False
     tell("something is left: asking coefficients without a name")
-    best = search(setup.simulator, plain, terms(plain.swing.model.declared), tell).best
+    best = search(setup.simulator, plain, terms(plain.swing.model.declared), tell, leading=True).best
     return best is not None and _is_enough(setup, best)
 
 
@@ -114,7 +114,7 @@ def _without_names(
     if not setup.by_rotation or not declared_noise(setup) or explains(setup, first.last, first.whole):
         return None
     tell("something is left: asking coefficients without a name")
-    term = search(setup.simulator, plain, unnamed(plain.swing.model.declared), tell).best
+    term = search(setup.simulator, plain, unnamed(plain.swing.model.declared), tell, leading=True).best
     if term is None or not pays(plain.swing, term.swing) or not _is_enough(setup, term):
         return None
     path, smooth = first, [c for c in pool if c.smooth]

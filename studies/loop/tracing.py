@@ -64,6 +64,13 @@ swings."""
 FAR_LESS = "far less of some swings is explained than by others; runs take long"
 """Why a floor that gives goes no further (`UNPROMISING`)."""
 
+LEADING = 0.5
+"""Where the best candidate alone is asked for, those are fitted to all windows that explain this share of what the best
+one does of some, or come as near to it as `PAYS`."""
+
+BEHIND = "far less of some swings is explained than by the best"
+"""Why others are not."""
+
 NOT_NEEDED = "nothing over the noise; runs take long"
 """What others leave where such a floor is not tried at all."""
 
@@ -186,6 +193,7 @@ def search(
     repeated: bool = False,
     explained: Callable[[Trial], bool] = lambda trial: False,
     later: bool = False,
+    leading: bool = False,
 ) -> Round:
     """Refit every candidate that may pay on top of a trial, those that lead nowhere not to the end.
 
@@ -196,6 +204,7 @@ def search(
     explained: whether a trial leaves nothing over its noise; candidates whose runs take long, and which have more
         parameters than most, are put off where the trial or a cheaper candidate does so (`search_costly` tries them).
     later: whether they are put off in any case.
+    leading: whether the best alone is asked for; candidates that are far behind on some windows go no further.
     """
     found = Round(onto)
     open_to_it = [c for c in pool if c.in_swings and (repeated or c.effect not in onto.effects)]
@@ -207,7 +216,7 @@ def search(
         if candidate.smooth and candidate.name not in chosen:
             found.skipped[candidate.name] = f"score {found.scores.get(candidate.name, 0.0):.3g}"
     tried = [c for c in open_to_it if c.name not in found.skipped]
-    _fitted(simulator, [c for c in tried if not c.costly], found, tell)
+    _fitted(simulator, [c for c in tried if not c.costly], found, tell, leading)
     found.put_off = tuple(c for c in tried if c.costly)
     already = next((t for t in (onto, *found.trials) if found.put_off and explained(t)), None)
     if already is not None:
@@ -252,7 +261,10 @@ def _on_this_side(trial: Trial, parameter: str, most: float) -> bool:
     return any(p.name == parameter for p in trial.parameters) and trial.swing.model.get(parameter) <= most
 
 
-def _fitted(simulator: Simulator, candidates: Sequence[Candidate], found: Round, tell: Callable[[str], None]) -> None:
+def _fitted(
+    simulator: Simulator, candidates: Sequence[Candidate], found: Round, tell: Callable[[str], None],
+    leading: bool = False,
+) -> None:  # fmt: skip
     """Add trials with one of the candidates each to the round, or why there is none."""
     onto, firsts = found.onto, list[tuple[Candidate, _First]]()
     for candidate in candidates:
@@ -267,6 +279,10 @@ def _fitted(simulator: Simulator, candidates: Sequence[Candidate], found: Round,
         else:
             firsts.append((candidate, first))
     firsts = _promising(onto, firsts, found)
+    if leading and firsts:
+        most = max(first.gained for _, first in firsts)
+        found.skipped |= {c.name: BEHIND for c, first in firsts if first.gained < min(LEADING * most, most - PAYS)}
+        firsts = [(c, first) for c, first in firsts if c.name not in found.skipped]
     if onto.costly:
         firsts.sort(key=lambda pair: -pair[1].gained)
         for candidate, _ in firsts[MOST_COSTLY:]:

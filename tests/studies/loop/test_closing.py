@@ -197,7 +197,7 @@ def test_a_law_that_has_no_name_is_asked_of_whole_records_that_names_miss(monkey
     monkeypatch.setattr(closing, "unnamed", lambda block: unnamed(DeclaredBlock(0.2, 0.8, 0.4, 40.0)))
     monkeypatch.setattr(closing, "explains_more", lambda setup, one, other: says and one == "its")
 
-    def search(simulator, onto, pool, tell):
+    def search(simulator, onto, pool, tell, leading=False):
         asked.extend(c.name for c in pool)
         return Round(onto, [term] if pool else [])
 
@@ -279,7 +279,7 @@ def test_alike_is_what_swings_hardly_tell_from_what_was_learned(monkeypatch):
     monkeypatch.setattr(learning, "_at_hand", lambda onto: pool)
     monkeypatch.setattr(learning, "open_to", lambda onto, among: list(among))
 
-    def search(simulator, onto, among, tell, repeated):
+    def search(simulator, onto, among, tell, repeated, leading):
         assert onto == "less" and [c.name for c in among] == ["fine"] and repeated
         return SimpleNamespace(trials=tried)
 
@@ -324,7 +324,7 @@ def test_one_coefficient_takes_the_place_of_two_names_that_swings_and_whole_reco
     monkeypatch.setattr(closing, "whole_fit", lambda setup, trial, whole: trial)
     monkeypatch.setattr(closing, "explains_more", lambda setup, fitted, other: says and fitted is one)
 
-    def search(simulator, onto, pool, tell):
+    def search(simulator, onto, pool, tell, leading=False):
         names = [c.name for c in pool]
         assert onto is plain and "learned[restitution_side]" in names and "learned[damping]" not in names
         return Round(onto, [] if one is None else [one])
@@ -340,7 +340,7 @@ def test_nothing_is_learned_where_two_effects_leave_what_noise_leaves(monkeypatc
     monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.01)
     monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
     monkeypatch.setattr(closing, "unnamed", lambda block: ())
-    monkeypatch.setattr(closing, "search", lambda simulator, onto, pool, tell: Round(onto))
+    monkeypatch.setattr(closing, "search", lambda simulator, onto, pool, tell, leading: Round(onto))
     asked = []
     monkeypatch.setattr(closing, "learn", lambda *_, **__: asked.append(1) or plain)
     for by_chance, learned in ((True, 0), (False, 2)):

@@ -243,7 +243,7 @@ def test_what_runs_long_is_put_off_by_name_and_tried_when_asked(monkeypatch):
 
     fitted = []
 
-    def fit(simulator, candidates, found, tell):
+    def fit(simulator, candidates, found, tell, leading=False):
         fitted.extend(c.name for c in candidates)
         found.trials += [trial(c.name, 500.0, 1.0) for c in candidates]
 
@@ -272,7 +272,7 @@ def test_what_runs_long_is_put_off_by_name_and_tried_when_asked(monkeypatch):
 def test_a_corner_that_bounces_is_not_tried_where_a_softer_floor_leaves_nothing(monkeypatch, stiffness, over, tried):
     fitted = []
 
-    def fit(simulator, candidates, found, tell):
+    def fit(simulator, candidates, found, tell, leading=False):
         for c in candidates:
             fitted.append(c.name)
             swing = SimpleNamespace(over=over, model=SimpleNamespace(get=lambda name: stiffness))
@@ -310,6 +310,30 @@ def test_what_runs_long_goes_no_further_where_others_explain_far_more_of_some_sw
     monkeypatch.setitem(gains, "floor", 89.0)
     tracing._fitted(None, pool[1:], found, lambda text: None)
     assert set(found.skipped) == ({"floor", "hard"} if costs else set())
+
+
+@pytest.mark.parametrize(
+    ("gains", "kept"),
+    [
+        ({"best": 1000.0, "half": 501.0, "less": 499.0}, ["best", "half"]),
+        # Within 60 of the best one, whatever share that is, or below nothing: noise may have put it there.
+        ({"best": 70.0, "near": 11.0, "far": 9.0}, ["best", "near"]),
+        ({"best": -1.0, "lost": -60.0}, ["best", "lost"]),
+    ],
+)
+def test_where_the_best_alone_is_asked_for_what_is_far_behind_on_some_windows_goes_no_further(monkeypatch, gains, kept):
+    went_on = []
+    pool = [SimpleNamespace(name=n, after="", costly=False, slips=False) for n in gains]
+    monkeypatch.setattr(tracing, "_on_some", lambda s, onto, c: SimpleNamespace(gained=gains[c.name]))
+    monkeypatch.setattr(tracing, "_on_all", lambda s, onto, c, first: went_on.append(c.name))
+    monkeypatch.setattr(tracing, "_ended", lambda *_: [])
+    found = Round(SimpleNamespace(costly=False))
+    tracing._fitted(None, pool, found, lambda text: None, leading=True)
+    assert went_on == kept
+    assert found.skipped == {name: tracing.BEHIND for name in gains if name not in kept}
+    went_on.clear()
+    tracing._fitted(None, pool, Round(SimpleNamespace(costly=False)), lambda text: None)
+    assert went_on == list(gains)
 
 
 def test_what_explained_far_too_little_by_itself_is_not_tried_on_top_of_others(monkeypatch):

@@ -101,7 +101,7 @@ def test_one_coefficient_is_enough_where_it_leaves_noise_of_swings_and_whole_rec
     monkeypatch.setattr(searching, "unexplained", lambda setup: 1.05)
     plain.swing.model = SimpleNamespace(declared=None)
 
-    def search(simulator, onto, pool, tell):
+    def search(simulator, onto, pool, tell, leading=False):
         assert onto is plain and pool == ("all of them",)
         return Round(onto, [term] if found else [])
 
@@ -465,7 +465,7 @@ def term(stand_in, monkeypatch):
         stand_in.pools.append([c.name for c in pool])
         return one_round(setup, onto, whole, pool, tell, known, later)
 
-    def search(simulator, onto, pool, tell):
+    def search(simulator, onto, pool, tell, leading=False):
         assert onto is stand_in.plain and pool == ("those without a name",)
         return Round(onto, [stand_in.found] if stand_in.found else [])
 
