@@ -15,6 +15,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from studies.loop.candidates import Candidate
+from studies.loop.fitting import Fit
 from studies.loop.learning import terms, unnamed
 from studies.loop.names import readable
 from studies.loop.preparing import Setup
@@ -92,13 +93,15 @@ def _one_term_is_enough(setup: Setup, plain: Trial, tell: Tell) -> bool:
         return False
     tell("something is left: asking coefficients without a name")
     best = search(setup.simulator, plain, terms(plain.swing.model.declared), tell, leading=True).best
-    return best is not None and _is_enough(setup, best)
+    return best is not None and _enough(setup, best) is not None
 
 
-def _is_enough(setup: Setup, term: Trial) -> bool:
+def _enough(setup: Setup, term: Trial) -> Fit | None:
+    """The fit of a coefficient on whole records, if it explains them and the swings."""
     if over_noise(setup, term) > unexplained(setup):
-        return False
-    return whole_fit(setup, term).rms < (MISSED if by_chance(setup, term) else CLOSELY)
+        return None
+    whole = whole_fit(setup, term)
+    return whole if whole.rms < (MISSED if by_chance(setup, term) else CLOSELY) else None
 
 
 def _without_names(
@@ -115,14 +118,15 @@ def _without_names(
         return None
     tell("something is left: asking coefficients without a name")
     term = search(setup.simulator, plain, unnamed(plain.swing.model.declared), tell, leading=True).best
-    if term is None or not pays(plain.swing, term.swing) or not _is_enough(setup, term):
+    its_whole = _enough(setup, term) if term is not None and pays(plain.swing, term.swing) else None
+    if term is None or its_whole is None:
         return None
     path, smooth = first, [c for c in pool if c.smooth]
     if len(first.trials) > 1:
         path = followed(setup, first, smooth, tell, later=True, most=2)
     if explains(setup, path.last, path.whole) or bic(term.swing) > bic(path.last.swing) - PAYS:
         return None
-    if explains_more(setup, path.whole, whole_fit(setup, term)):
+    if explains_more(setup, path.whole, its_whole):
         return None
     rounds = []
     for tried in path.rounds:
