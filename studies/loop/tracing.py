@@ -204,11 +204,12 @@ def search(
     explained: whether a trial leaves nothing over its noise; candidates whose runs take long, and which have more
         parameters than most, are put off where the trial or a cheaper candidate does so (`search_costly` tries them).
     later: whether they are put off in any case.
-    leading: whether the best alone is asked for; candidates that are far behind on some windows go no further.
+    leading: whether the best alone is asked for; some windows are enough for scores then, and candidates that are far
+        behind on these go no further.
     """
     found = Round(onto)
     open_to_it = [c for c in pool if c.in_swings and (repeated or c.effect not in onto.effects)]
-    found.scores |= _scores(simulator, onto, [c for c in open_to_it if c.smooth])
+    found.scores |= _scores(simulator, onto, [c for c in open_to_it if c.smooth], some=leading)
     ranked = sorted(found.scores.items(), key=lambda item: -item[1])
     enough = NEAR * ranked[0][1] if ranked else 0.0
     chosen = {name for k, (name, score) in enumerate(ranked) if k < SHORTLIST or score > enough}
@@ -315,13 +316,24 @@ def _of_some(found: Fit, chosen: Sequence[int]) -> float:
     return float(objectives(found.model, [found.residuals[i] for i in chosen], some, HUBER).sum())
 
 
-def _scores(simulator: Simulator, onto: Trial, smooth: Sequence[Candidate]) -> dict[str, float]:
-    """Of each candidate; infinite where it cannot be had at nothing: only a refit can tell."""
+def _scores(simulator: Simulator, onto: Trial, smooth: Sequence[Candidate], some: bool = False) -> dict[str, float]:
+    """Of each candidate; infinite where it cannot be had at nothing: only a refit can tell.
+
+    some: whether the windows on which starts are compared are enough.
+    """
+    fitted = onto.swing
+    if some:
+        chosen = _every_so_many(len(fitted.windows), SOME)
+        fitted = replace(
+            fitted,
+            windows=tuple(fitted.windows[i] for i in chosen),
+            residuals=tuple(fitted.residuals[i] for i in chosen),
+        )
     models: dict[str, LoopModel] = {}
     for c in smooth:
         with suppress(ValueError):
             models[c.name] = onto.swing.model.changed(_nothing(onto, c))
-    found = gains(simulator, onto.swing, {c.name: c.parameters for c in smooth if c.name in models}, models)
+    found = gains(simulator, fitted, {c.name: c.parameters for c in smooth if c.name in models}, models)
     return {c.name: found.get(c.name, math.inf) for c in smooth}
 
 
@@ -383,9 +395,13 @@ def _chosen(onto: Trial, candidate: Candidate) -> list[int]:
     windows = onto.swing.windows
     some_of = SOME_COSTLY if candidate.costly or onto.costly else SOME
     if not candidate.slips:
-        return list(range(0, len(windows), max(1, len(windows) // some_of)))
+        return _every_so_many(len(windows), some_of)
     left = objectives(onto.swing.model, onto.swing.residuals, windows, HUBER) - [r.size for r in onto.swing.residuals]
     return sorted(int(i) for i in np.argsort(-left, kind="stable")[:some_of])
+
+
+def _every_so_many(count: int, some: int) -> list[int]:
+    return list(range(0, count, max(1, count // some)))
 
 
 def _on_all(simulator: Simulator, onto: Trial, candidate: Candidate, first: _First) -> Fit:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from studies.loop import remaining, rounds, settling, tracing, whole_records
+from studies.loop.fitting import Fit
 from studies.loop.settling import gain, where_told
 from studies.loop.tracing import Round, search
 from studies.loop.whole_records import explains_more
@@ -248,7 +249,7 @@ def test_what_runs_long_is_put_off_by_name_and_tried_when_asked(monkeypatch):
         found.trials += [trial(c.name, 500.0, 1.0) for c in candidates]
 
     monkeypatch.setattr(tracing, "_fitted", fit)
-    monkeypatch.setattr(tracing, "_scores", lambda *_: {})
+    monkeypatch.setattr(tracing, "_scores", lambda *_, **__: {})
     pool = [
         SimpleNamespace(name=n, effect=n, in_swings=True, smooth=False, costly=n == "floor", beyond=None)
         for n in ("floor", "tether")
@@ -334,6 +335,26 @@ def test_where_the_best_alone_is_asked_for_what_is_far_behind_on_some_windows_go
     went_on.clear()
     tracing._fitted(None, pool, Round(SimpleNamespace(costly=False)), lambda text: None)
     assert went_on == list(gains)
+
+
+@pytest.mark.parametrize(("leading", "seen"), [(False, range(301)), (True, range(0, 301, 6))])
+def test_some_windows_are_enough_for_scores_where_the_best_alone_is_asked_for(monkeypatch, leading, seen):
+    """Every sixth of 301: as many as starts are compared on."""
+    scored = []
+
+    def gains(simulator, fitted, candidates, models):
+        scored.append((fitted.windows, fitted.residuals))
+        return dict.fromkeys(candidates, 1.0)
+
+    monkeypatch.setattr(tracing, "gains", gains)
+    monkeypatch.setattr(tracing, "_fitted", lambda *_: None)
+    monkeypatch.setattr(tracing, "_nothing", lambda onto, candidate: {})
+    model = SimpleNamespace(changed=lambda values: None)
+    windows, left = tuple(range(301)), tuple(-k for k in range(301))
+    swing = Fit(model, (), windows, 1.0, 1.0, 301, True, left)
+    part = SimpleNamespace(name="a", effect="a", in_swings=True, smooth=True, costly=False, parameters=())
+    found = search(None, SimpleNamespace(swing=swing, effects=(), names=()), [part], leading=leading)
+    assert scored == [(tuple(seen), tuple(-k for k in seen))] and found.scores == {"a": 1.0}
 
 
 def test_what_explained_far_too_little_by_itself_is_not_tried_on_top_of_others(monkeypatch):
