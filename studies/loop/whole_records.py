@@ -17,6 +17,7 @@ import numpy as np
 from studies.loop.candidates import Candidate
 from studies.loop.estimating import sensor_covariance
 from studies.loop.fitting import Fit, fit, fit_records
+from studies.loop.model import DRIFT
 from studies.loop.parameters import Parameter
 from studies.loop.preparing import Setup
 from studies.loop.rivals import TWIN, Rival
@@ -142,11 +143,7 @@ def _confirmed(
     parameters = (*onto.calibrated_with(candidate), *onto.parameters, *candidate.parameters)
     cheap = not any(part.costly for part in (*onto.parts, candidate))
     ended = fit_records(setup.simulator, near.model, parameters, near.windows, iterations=12, again=cheap)
-    # What a fit of the same records from here gains without the effect is not its own.
-    others = {name: values for name, values in ended.model.effects.items() if name != candidate.effect}
-    model = replace(ended.model, effects=others)
-    alone = fit_records(setup.simulator, model, onto.every, ended.windows, iterations=8)
-    rest = min(alone, without, key=lambda f: f.chi2)
+    rest = min(_alone(setup, onto, ended), without, key=lambda f: f.chi2)
     if rest.chi2 - ended.chi2 < PAYS * max(1.0, ended.chi2 / ended.samples):
         return None
     helped = (rest.by_window > MISSED) & (rest.by_window > SPOILT * ended.by_window)
@@ -160,6 +157,18 @@ def _confirmed(
     rival = _as_rival(setup, onto, whole, candidate, ended, parameters, by_itself=True)
     rival = replace(rival, criterion=bic(compared))
     return rival if gain(setup, whole, rival.whole) > LEAST_OF_A_SCAN else None
+
+
+def _alone(setup: Setup, onto: Trial, found: Fit) -> Fit:
+    """A fit of the same records from there without the effect: what it gains is not the effect's own."""
+    of, fitted = onto.swing.model.effects, {p.name for p in onto.every}
+    effects = {
+        name: {k: value for k, value in values.items() if k in of[name]}
+        for name, values in found.model.effects.items() if name in of
+    }  # fmt: skip
+    drift = found.model.drift if DRIFT in fitted else onto.swing.model.drift
+    model = replace(found.model, effects=effects, drift=drift)
+    return fit_records(setup.simulator, model, onto.every, found.windows, iterations=8)
 
 
 def _scanned(setup: Setup, whole: Fit, without: Fit, candidate: Candidate) -> tuple[float, Fit] | None:
@@ -288,11 +297,17 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round, hint: float = HI
         own = fit_records(
             setup.simulator, nearest.model, trial.every, states, iterations=12, again=not trial.costly
         )  # fmt: skip
-        if _at_the_cost_of_others(own, without):
+        alone = _alone(setup, onto, own)
+        rest = min(alone, without, key=lambda f: f.chi2)
+        if _at_the_cost_of_others(own, rest):
             continue
         rival = _as_rival(setup, onto, whole, trial.parts[-1], own, trial.every)
-        if _explains(own, without) or gain(setup, whole, rival.whole) > LEAST_OF_A_SCAN:
+        if _explains(own, rest):
             found.append(rival)
+        elif gain(setup, whole, rival.whole) > LEAST_OF_A_SCAN:
+            there = replace(onto, swing=replace(onto.swing, model=alone.model))
+            if gain(setup, whole_fit(setup, there, whole), rival.whole) > LEAST_OF_A_SCAN:
+                found.append(rival)
     return tuple(sorted(found, key=lambda r: r.criterion))
 
 
