@@ -15,12 +15,12 @@ from studies.laboratory.campaign import make_campaign
 from studies.laboratory.parameters import G
 from studies.loop import closing, searching, whole_records
 from studies.loop.candidates import candidates
-from studies.loop.fitting import fit_records
+from studies.loop.fitting import Fit, fit_records
 from studies.loop.model import LoopModel
 from studies.loop.preparing import as_declared, prepare
 from studies.loop.rivals import Rival
 from studies.loop.settling import gain, predictable, whole_fit
-from studies.loop.tracing import Trial, all_candidates, baseline, search
+from studies.loop.tracing import Round, Trial, all_candidates, baseline, search
 from studies.loop.whole_records import MISSED, _at_the_cost_of_others, _explains, _scanned, hinted, ranked, scan
 
 RIVALS = {"compliant_base", "sliding", "base_tilt", "viscous_damping", "base_motion_lag"}
@@ -153,6 +153,54 @@ def test_a_scan_counts_what_the_effect_gains_and_not_what_a_refit_does(without, 
     assert without_it[0] is shared and all(windows is own for windows in without_it[1:])
     if found is not None:
         assert found.criterion == pytest.approx(90.0 + 2 * math.log(100.0), rel=1e-12) and found.whole.windows is own
+
+
+@pytest.mark.parametrize(
+    ("alone", "gains", "again", "named"),
+    [
+        pytest.param(4000.0, 0.0, 0.0, True, id="the effect"),
+        pytest.param(95.0, 0.0, 0.0, False, id="a better minimum of what is predictable"),
+        pytest.param(95.0, 0.2, 0.2, True, id="whole records, whatever they begin from"),
+        pytest.param(95.0, 0.2, 0.1, False, id="a better minimum of whole records"),
+    ],
+)
+def test_a_hint_counts_what_the_effect_gains_and_not_what_another_start_does(monkeypatch, alone, gains, again, named):
+    """Of whole records that are rugged; a slope of restitution of 3e-5 s/rad was once taken for an effect so."""
+    block = DeclaredBlock(0.15, 0.5, 0.25, 11.25)
+    [slope] = [c for c in candidates(block) if c.effect == "velocity_dependent_restitution"]
+    plain_model = LoopModel(block, 0.9)
+    with_it = plain_model.changed({"velocity_dependent_restitution.slope": 0.01})
+
+    def fitted(_, model, parameters, windows, **__):
+        there, begun = bool(model.effects), model.restitution != plain_model.restitution
+        chi2 = 90.0 if there else alone if begun else 5000.0
+        residual = np.full(100, math.sqrt(chi2 / 100.0))
+        model = replace(model, restitution=0.91) if there else model
+        return SimpleNamespace(
+            chi2=chi2, model=model, windows=windows, samples=100, rms=1.0, residuals=(residual, residual),
+            parameters=tuple(parameters), by_window=np.array([math.sqrt(chi2 / 100.0)] * 2), weights=np.ones(2),
+        )  # fmt: skip
+
+    for name in ("fit", "fit_records"):
+        monkeypatch.setattr(whole_records, name, fitted)
+    monkeypatch.setattr(whole_records, "predictable", lambda given: given)
+    monkeypatch.setattr(whole_records, "sensor_covariance", lambda *_: None)
+    monkeypatch.setattr(whole_records, "neighbours", lambda swing, *_: [swing.model])
+    monkeypatch.setattr(whole_records, "whole_fit", lambda setup, trial, whole: trial.swing.model)
+    monkeypatch.setattr(
+        whole_records, "_as_rival", lambda setup, onto, whole, *_: Rival(onto, "with", 1.0, math.nan, math.nan)
+    )
+    # Against the fit that was there before, and against one that begins from the restitution found with the effect.
+    monkeypatch.setattr(
+        whole_records, "gain",
+        lambda setup, other, found: again if getattr(other, "restitution", 0.0) == 0.91 else gains,
+    )  # fmt: skip
+    swing = Fit(plain_model, (), (), 1000.0, 1.0, 100, True, ())
+    onto = Trial((), (), swing)
+    hint = onto.with_(slope, replace(swing, model=with_it, chi2=900.0))
+    whole = SimpleNamespace(model=plain_model, windows=[_window()] * 2, by_window=np.array([2.0, 2.0]))
+    found = hinted(SimpleNamespace(simulator=None), onto, whole, Round(onto, [hint]))
+    assert bool(found) is named
 
 
 @pytest.mark.slow
