@@ -161,6 +161,8 @@ def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candi
         )
         for label, side in (("both", 0.0), ("right", 1.0), ("left", -1.0))
     )  # fmt: skip
+    # Up to 0.6 of the weight's moment evenly, beyond it up to the bound by equal shares.
+    held = np.concatenate([0.024 * np.arange(1, 26), np.geomspace(0.6, 2.0, 9)[1:]])
     return (
         _one("velocity_dependent_restitution", "slope", 0.01, [0.02, -0.02], -0.5, 0.5),
         _one("viscous_damping", "coefficient", 0.05, [0.1], 0.0, 20.0),
@@ -192,7 +194,7 @@ def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candi
         Candidate(
             "base_adhesion", "base_adhesion", (Parameter("base_adhesion.moment", 0.02 * moment, 0.0, 2.0 * moment),),
             (), {}, smooth=False, in_swings=False,
-            scanned=tuple({"base_adhesion.moment": 0.024 * k * moment} for k in range(1, 26)),
+            scanned=tuple({"base_adhesion.moment": float(share) * moment} for share in held),
         ),
     )  # fmt: skip
 

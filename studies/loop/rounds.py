@@ -169,6 +169,7 @@ def _accepted(
     if not confirmed or (accepted is not None and not explains_more(setup, confirmed[0].whole, accepted[1])):
         return accepted, ()
     first = confirmed[0]
-    if all(t.names != first.trial.names for t in tried.trials):
-        tried.trials.append(first.trial)
+    for rival in confirmed:
+        if all(t.names != rival.trial.names for t in tried.trials):
+            tried.trials.append(rival.trial)
     return (first.trial, first.whole), confirmed

@@ -57,8 +57,7 @@ def asked(
     setup: Setup, onto: Trial, whole: Fit, tried: Round, pool: Sequence[Candidate], hint: float = HINT
 ) -> tuple[Rival, ...]:
     """What whole records confirm of the effects that swings only hint at, and of those scanned."""
-    found = scan(setup, onto, whole, pool)
-    return merged(hinted(setup, onto, whole, tried, hint), () if found is None else (found,))
+    return merged(hinted(setup, onto, whole, tried, hint), scan(setup, onto, whole, pool))
 
 
 def merged(one: Sequence[Rival], other: Sequence[Rival]) -> tuple[Rival, ...]:
@@ -102,8 +101,8 @@ def explains_more(setup: Setup, found: Fit, other: Fit) -> bool:
     return left < plain - PAYS * max(1.0, left / samples)
 
 
-def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Rival | None:
-    """Of the effects that are scanned on whole records the best one that pays, or None.
+def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> tuple[Rival, ...]:
+    """Of the effects that are scanned on whole records those that pay, each in the form that comes nearest.
 
     Such an effect acts at lift-off, or on and off as friction gives way: no swing shows it, or only those that begin
     with a slip that nobody knows.  Its sum of squares is rugged, so that it is scanned over its range first, then more
@@ -112,7 +111,7 @@ def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Ri
     windows = predictable(whole.windows)
     open_to_it = [c for c in pool if c.scanned and c.effect not in onto.effects]
     if not open_to_it or not windows:
-        return None
+        return ()
     without = fit_records(setup.simulator, whole.model, onto.every, windows, iterations=8)
     begun = [
         (first, candidate)
@@ -121,13 +120,12 @@ def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> Ri
         if (not candidate.in_swings or without.rms > MISSED)
         and (first := _scanned(setup, whole, without, candidate)) is not None
     ]
-    if not begun:
-        return None
+    found: dict[str, Rival] = {}
     for (_, near), candidate in sorted(begun, key=lambda pair: pair[0][0]):
-        found = _confirmed(setup, onto, whole, without, near, candidate)
-        if found is not None:
-            return found
-    return None
+        if candidate.effect not in found:
+            rival = _confirmed(setup, onto, whole, without, near, candidate)
+            found |= {} if rival is None else {candidate.effect: rival}
+    return tuple(found.values())
 
 
 def _confirmed(
