@@ -224,11 +224,12 @@ def files(root: Path) -> list[Path]:
 
 
 def first_tests(root: Path, file: str) -> list[str]:
-    """Tests that the table names for a file, those that are there."""
+    """Tests of the file's own name, and those that the table names for it, as far as they are there."""
     folder = Path("tests") / Path(file).parts[0]
     names = next((tests for pattern, tests in FIRST if fnmatch(file, pattern)), ())
-    paths = [folder / f"{name}.py" for name in dict.fromkeys(names)]
-    return [str(path) for path in paths if (root / path).is_file()]
+    own = sorted(path.relative_to(root) for path in (root / folder).rglob(f"test_{Path(file).stem}.py"))
+    paths = [*own, *(folder / f"{name}.py" for name in names)]
+    return [str(path) for path in dict.fromkeys(paths) if (root / path).is_file()]
 
 
 def groups(root: Path, file: str) -> list[list[str]]:

@@ -184,6 +184,13 @@ def test_a_floor_s_tilt_and_its_pitch_add_up() -> None:
     assert found[:2] == pytest.approx([up * s - 2.0 * c, -up * c - 2.0 * s], rel=1e-14)
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_restitution_differs_by_its_share_on_either_side(side: float) -> None:
+    """0.92 by 1.02 where a swing to +x ends, by 0.98 on the other side."""
+    P = replace(WORLD, side=0.02).vector()
+    assert event.restitution(side, 0.5, 1.0, 3, P) == pytest.approx(RESTITUTION * (1.0 + 0.02 * side), rel=1e-14)
+
+
 def test_left_is_the_mirror_image_of_right() -> None:
     odd = replace(WORLD, offset=0.002, tilt=0.003, radius=0.002, side=0.01, rib=0.2, rib_period=0.08, layer=3.0,
                   layer_width=0.02, slosh_mass=0.0)  # fmt: skip
