@@ -452,7 +452,7 @@ def test_what_was_left_explains_most_by_itself_only_if_it_does(stand_in):
 
 @pytest.fixture
 def term(stand_in, monkeypatch):
-    """One coefficient without a name leaves nothing; `both` does, and `both` with `b` on top of it, which is smooth."""
+    """One coefficient without a name leaves nothing; `both` leaves something, with the smooth `b` on top of it too."""
     found = path_of("learned[side]", chi2=450.0)
     pool = [SimpleNamespace(name=n, effect=n, smooth=n != "rough", in_swings=True) for n in ("both", "a", "b", "rough")]
     stand_in.pools, stand_in.enough = [], None

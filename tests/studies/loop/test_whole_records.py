@@ -155,6 +155,37 @@ def test_a_scan_counts_what_the_effect_gains_and_not_what_a_refit_does(without, 
         assert found.criterion == pytest.approx(90.0 + 2 * math.log(100.0), rel=1e-12) and found.whole.windows is own
 
 
+def test_all_effects_that_a_scan_confirms_are_compared_each_in_its_nearest_form(monkeypatch):
+    """Adhesion and friction below b/h both keep a block from rocking: the nearest alone would be a lucky guess."""
+    off = {"slip[ratio]": 1.0, "glue": 2.0, "slip": 3.0, "other": 4.0}
+    pool = [SimpleNamespace(name=n, effect=n.partition("[")[0], scanned=(1,), in_swings=False) for n in off]
+    asked = []
+
+    def confirmed(setup, onto, whole, shared, near, candidate):
+        asked.append(candidate.name)
+        return candidate.name if candidate.effect != "other" else None
+
+    monkeypatch.setattr(whole_records, "predictable", lambda given: given)
+    monkeypatch.setattr(whole_records, "fit_records", lambda *_, **__: None)
+    monkeypatch.setattr(whole_records, "_scanned", lambda setup, whole, without, c: (off[c.name], None))
+    monkeypatch.setattr(whole_records, "_confirmed", confirmed)
+    onto, whole = SimpleNamespace(effects=(), every=()), SimpleNamespace(windows=["one"], model=None)
+    found = scan(SimpleNamespace(simulator=None), onto, whole, list(reversed(pool)))
+    assert found == ("slip[ratio]", "glue")
+    assert asked == ["slip[ratio]", "glue", "other"]
+
+
+def test_adhesion_is_looked_for_up_to_twice_the_moment_of_the_weight():
+    block = DeclaredBlock(0.15, 0.5, 0.25, 11.25)
+    [adhesion] = [c for c in candidates(block) if c.effect == "base_adhesion"]
+    moments = [values["base_adhesion.moment"] for values in adhesion.scanned]
+    assert moments == sorted(moments)
+    # Standard gravity, and half the breadth as its arm.
+    assert moments[-1] == pytest.approx(2.0 * 11.25 * 9.80665 * 0.075, rel=1e-9)
+    # Nowhere are two of them further apart than a sixth, or a 25th of the first 0.6.
+    assert np.all(np.diff(moments) < 0.17 * np.array(moments[:-1]) + 0.024 * 11.25 * 9.80665 * 0.075 * (1 + 1e-9))
+
+
 @pytest.mark.parametrize(
     ("alone", "gains", "again", "named"),
     [
