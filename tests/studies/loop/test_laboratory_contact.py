@@ -35,6 +35,42 @@ def test_a_block_stands_still_on_its_springs(springs: float) -> None:
     assert np.abs(response.centre[:, 1]).max() < 1e-6
 
 
+def test_a_block_that_touches_nothing_falls_straight_however_the_floor_turns() -> None:
+    """Newton in a frame that rests, seen from one that turns clockwise: second differences."""
+    place, velocity, turned, rate, acceleration = np.array([0.7, 5.0]), np.array([0.4, -1.1]), 0.3, 2.0, 5.0
+
+    def seen(t: float) -> np.ndarray:
+        at = place + velocity * t - np.array([0.0, 0.5 * G * t * t])
+        angle = turned + rate * t + 0.5 * acceleration * t * t
+        return np.array([at[0] * math.cos(angle) - at[1] * math.sin(angle),
+                         at[0] * math.sin(angle) + at[1] * math.cos(angle)])  # fmt: skip
+
+    h = 1e-4
+    before, now, after = seen(-h), seen(0.0), seen(h)
+    c = np.zeros((5, 4))
+    c[2:, 0] = turned, rate, acceleration
+    y = np.array([*now, 0.0, *((after - before) / (2.0 * h)), 0.0, 0.0, 0.0])
+    found = contact.rate(0.0, c, y, SOFT.vector())
+    # The differences are off by h^2 / 12 of the fourth derivative, some 2e3 m/s^4, and by rounding over h^2.
+    assert found[:2] == pytest.approx((after - 2.0 * now + before) / h**2, abs=1e-5)
+    assert found[2] == pytest.approx(-acceleration, rel=1e-12)
+
+
+@pytest.mark.parametrize("springs", [2.0, 15.0])
+@pytest.mark.parametrize("lean", [0.2, -0.2])
+def test_a_block_is_released_with_its_corner_where_it_stood(springs: float, lean: float) -> None:
+    """Turned about that corner, and sunk into the floor; the place along it matters where the floor turns."""
+    world = replace(SOFT, springs=springs, offset=0.01)
+    corner = math.copysign(world.half_breadth, lean)
+    x, z, theta, *rest = contact.start(world, lean)
+    arm = np.array([world.offset - corner, world.centre_height])
+    assert x == pytest.approx(corner + arm[0] * math.cos(lean) + arm[1] * math.sin(lean), rel=1e-14)
+    sunk = -arm[0] * math.sin(lean) + arm[1] * math.cos(lean) - z
+    # By no more than the weight on the one spring, or on the bed as wide as it is sunk.
+    assert 0.0 < sunk < 0.02
+    assert theta == lean and not any(rest)
+
+
 def test_heave_on_two_springs() -> None:
     """A step of vertical acceleration of the floor: bounce at sqrt(2 k / m) about the new rest."""
     response = contact.simulate(SOFT, floor(az=STILL + 1.0), STEP, 1, 0.0)
