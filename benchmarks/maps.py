@@ -4,11 +4,9 @@ Maps     frequency 0.5 to 5 Hz and amplitude 0.3 to 4 g of a 10 s ramp, block of
          peak 0.08 to 1.2 g of 30 s of noise at 200 Hz, b/h = 0.3.  Method 1 linear and nonlinear.
 Peers    Boost.Odeint (C++) and this package's numba batch, on a sample of the points of each map, over one core.
 Floor    on the same sample, as of `trajectories.py`: the floating operations at the speed of this core, nothing else.
-Measure  wall and CPU time of the whole map on two threads, arrays in and arrays out; CPU time of a run, mean.  With
-         --device gpu also the linear maps on the GPU that JAX finds, their wall time the least of three after one that
-         compiles, and how many runs fall otherwise than on the CPU; refused where there is none.
-Status   no GPU has been at hand: its time is not measured, and no row of results/maps.csv is one of it.
-Run      python benchmarks/maps.py [--quick] [--device gpu]  ->  a table, and benchmarks/results/maps.csv
+Measure  wall and CPU time of the whole map on two threads, arrays in and arrays out; CPU time of a run, mean.  A GPU is
+         measured by `maps_on_device.py`.
+Run      python benchmarks/maps.py [--quick]  ->  a table, and benchmarks/results/maps.csv
 """
 
 from __future__ import annotations
@@ -29,7 +27,6 @@ from trajectories import floor_us, fused_per_second
 from excitation import PiecewiseLinear, RampedSinusoid
 from rocking import Block, Method1, solve, solve_batch
 from rocking.solvers.arrays import taylor_batch
-from rocking.solvers.devices import PRECISIONS, jax_device
 from rocking.solvers.exact.batch import RampedSines, ScaledRecord, exact_batch
 
 RESULTS = Path(__file__).parent / "results" / "maps.csv"
@@ -49,25 +46,6 @@ def whole(form: str, motion: Any, options: dict[str, Any]) -> tuple[list[str], f
     n = result.overturned.size
     numbers = [str(n), f"{wall:.3g}", f"{cpu:.3g}", f"{cpu / n * 1e6:.3g}", "1"]
     return [*numbers, f"{result.overturned.mean():.1%}", f"{result.impacts.mean():.0f}"], cpu / n
-
-
-def on_device(device: str, precision: str, motion: Any, options: dict[str, Any], mean: float) -> list[str]:
-    """The cells of a linear map carried by a device of JAX in that precision; `mean` as of `sampled`."""
-    compiled = exact_batch(motion, device="cpu", **options)
-    where = {"device": device, "precision": precision}
-    exact_batch(motion, **where, **options)
-    walls = []
-    for _ in range(3):
-        begin = time.perf_counter()
-        result = exact_batch(motion, **where, **options)
-        walls.append(time.perf_counter() - begin)
-    n, wall = result.overturned.size, min(walls)
-    print(f"{result.device.flat[0]}: {np.sum(result.overturned != compiled.overturned)} of {n} fall otherwise")
-    ratio = f"{wall / n / mean:.3g}"
-    return [
-        f"exact, {result.device.flat[0]}", str(n), f"{wall:.3g}", "", "", ratio,
-        f"{result.overturned.mean():.1%}", f"{result.impacts.mean():.0f}",
-    ]  # fmt: skip
 
 
 def arithmetic(systems: list[Any], motions: list[Any], t_end: float, mean: float) -> list[str]:
@@ -108,17 +86,7 @@ def main() -> None:
     """Measure, print and save."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="small maps, of which no results are kept")
-    parser.add_argument(
-        "--device",
-        choices=("gpu", "jax-cpu"),
-        help="carry the linear maps by a device of JAX too, in double and in single precision",
-    )
-    quick, device = (arguments := parser.parse_args()).quick, arguments.device
-    if device is not None:
-        try:
-            jax_device(device)
-        except ValueError as error:
-            parser.error(str(error))
+    quick = parser.parse_args().quick
     rows, rng, par = [], np.random.default_rng(1), Method1(BLOCK).parameters
     n = 50 if quick else 200
     frequency, amplitude = np.linspace(0.5, 5.0, n), np.linspace(0.3, 4.0, n) * G
@@ -130,8 +98,6 @@ def main() -> None:
     for form in ("linear", "nonlinear"):
         numbers, mean = whole(form, waves, same)
         rows.append([label, form, "taylor, 2 threads", *numbers])
-        if device is not None and form == "linear":
-            rows += [[label, form, *on_device(device, kind, waves, same, mean)] for kind in PRECISIONS]
         rows += [[label, form, *row] for row in sampled(form, points, 10.0, mean)]
     n = 100 if quick else 1000
     h, scale, values = np.geomspace(0.2, 5.0, n), np.linspace(0.2, 3.0, n), noise(0)
@@ -141,10 +107,8 @@ def main() -> None:
     at = rng.integers(0, n, (SAMPLE, 2))
     points = [(Block(0.3 * h[i], h[i]), PiecewiseLinear(0.005, scale[j] * values)) for i, j in at]
     for form in ("linear", "nonlinear"):
-        numbers, mean = whole(form, record := ScaledRecord(values, 0.005, scale=scale), same)
+        numbers, mean = whole(form, ScaledRecord(values, 0.005, scale=scale), same)
         rows.append([label, form, "taylor, 2 threads", *numbers])
-        if device is not None and form == "linear":
-            rows += [[label, form, *on_device(device, kind, record, same, mean)] for kind in PRECISIONS]
         rows += [[label, form, *row] for row in sampled(form, points, 30.0, mean)]
     for row in [HEAD, *rows]:
         print("  ".join(f"{cell:20s}" for cell in row).rstrip())

@@ -33,6 +33,14 @@ from rocking.solvers.taylor.records import LARGEST_SAMPLE, SCALE, joined
 RUNS = 400
 
 
+def has_a_gpu() -> bool:
+    return any(device.platform == "gpu" for device in jax.devices())
+
+
+GPU = pytest.mark.skipif(not has_a_gpu(), reason="JAX finds no GPU")
+ON = pytest.mark.parametrize("on", ["jax-cpu", pytest.param("gpu", marks=GPU)])
+
+
 def shaking(seed: int, n: int) -> np.ndarray:
     """Random samples, smoothed a little, with a peak of 1."""
     raw = np.convolve(np.random.default_rng(seed).standard_normal(n + 4), np.ones(5) / 5.0, "valid")
@@ -54,12 +62,12 @@ def blocks(rng: np.random.Generator) -> tuple[np.ndarray, dict[str, np.ndarray]]
     return par, {"theta": theta, "omega": np.where(released, rng.uniform(-0.1, 0.1, RUNS) * np.sqrt(par[:, 0]), 0.0)}
 
 
-def in_single_precision(pars: np.ndarray, samples: Any, starts: np.ndarray, motions: np.ndarray) -> None:
+def in_single_precision(on: str, pars: np.ndarray, samples: Any, starts: np.ndarray, motions: np.ndarray) -> None:
     """The falls of double precision; tilts and times of most runs to a few units of single."""
     compiled = carry_portions(
         "linear", samples, lambda a, b: [np.ascontiguousarray(t[a:b]) for t in (pars, starts, motions)], RUNS, 10**6
     )
-    device = devices.jax_device("jax-cpu")
+    device = devices.jax_device(on)
     traced = carry_on_device(samples, pars, starts, motions, 10**6, device, precision="float32")
     for column in (OVERTURNED, SIDE, FINISHED):
         np.testing.assert_array_equal(traced[:, column], compiled[:, column])
@@ -76,13 +84,13 @@ def in_single_precision(pars: np.ndarray, samples: Any, starts: np.ndarray, moti
 
 
 def must_agree(
-    pars: np.ndarray, samples: Any, starts: np.ndarray, motions: np.ndarray, lanes: int = jax_batch.MOST_LANES
+    on: str, pars: np.ndarray, samples: Any, starts: np.ndarray, motions: np.ndarray, lanes: int = jax_batch.MOST_LANES
 ) -> None:
     """The same outcomes and counts, and times and tilts to rounding, which each impact multiplies."""
     compiled = carry_portions(
         "linear", samples, lambda a, b: [np.ascontiguousarray(t[a:b]) for t in (pars, starts, motions)], RUNS, 10**6
     )
-    traced = carry_on_device(samples, pars, starts, motions, 10**6, devices.jax_device("jax-cpu"), lanes)
+    traced = carry_on_device(samples, pars, starts, motions, 10**6, devices.jax_device(on), lanes)
     for column in (OVERTURNED, SIDE, COUNT, FINISHED, LAST_MODE):
         np.testing.assert_array_equal(traced[:, column], compiled[:, column])
     np.testing.assert_allclose(traced[:, FIRST], compiled[:, FIRST], rtol=0.0, atol=1e-11)
@@ -96,7 +104,8 @@ def must_agree(
 
 # Three records of different lengths and intervals, with a jump at either end, entered before them and within.
 @pytest.mark.slow
-def test_hundreds_of_runs_over_records_are_those_of_the_compiled_batch() -> None:
+@ON
+def test_hundreds_of_runs_over_records_are_those_of_the_compiled_batch(on: str) -> None:
     rng = np.random.default_rng(0)
     pars, start = blocks(rng)
     records = [(np.array([rng.uniform(-0.5, 0.5), 0.01 * (1 + i)]), shaking(i, 200 * (i + 1))) for i in range(3)]
@@ -106,20 +115,21 @@ def test_hundreds_of_runs_over_records_are_those_of_the_compiled_batch() -> None
     t_start = np.where(np.arange(RUNS) % 5 == 0, 1.37, -0.6)
     t_end = t_start + rng.uniform(3.0, 9.0, RUNS)
     # Fewer lanes than runs: a lane takes one run after another.
-    must_agree(pars, samples, start_rows(**start, t_start=t_start, t_end=t_end), motions, lanes=128)
-    in_single_precision(pars, samples, start_rows(**start, t_start=t_start, t_end=t_end), motions)
+    must_agree(on, pars, samples, start_rows(**start, t_start=t_start, t_end=t_end), motions, lanes=128)
+    in_single_precision(on, pars, samples, start_rows(**start, t_start=t_start, t_end=t_end), motions)
     np.testing.assert_array_equal(rows[:, LARGEST_SAMPLE], 1.0)
 
 
-def test_hundreds_of_runs_over_sinusoids_are_those_of_the_compiled_batch() -> None:
+@ON
+def test_hundreds_of_runs_over_sinusoids_are_those_of_the_compiled_batch(on: str) -> None:
     rng = np.random.default_rng(1)
     pars, start = blocks(rng)
     p, g_onset = np.sqrt(pars[:, 0]), pars[:, 2] * pars[:, 3]
     rate = g_onset * p * rng.uniform(0.1, 1.0, RUNS)
     motions = np.stack([p * rng.uniform(0.5, 6.0, RUNS), rng.uniform(-3.0, 3.0, RUNS), rate, 6.0 / p], axis=1)
     t_start = np.where(np.arange(RUNS) % 5 == 0, 1.37, -0.2) / p
-    must_agree(pars, None, start_rows(**start, t_start=t_start, t_end=8.0 / p), motions)
-    in_single_precision(pars, None, start_rows(**start, t_start=t_start, t_end=8.0 / p), motions)
+    must_agree(on, pars, None, start_rows(**start, t_start=t_start, t_end=8.0 / p), motions)
+    in_single_precision(on, pars, None, start_rows(**start, t_start=t_start, t_end=8.0 / p), motions)
 
 
 # What a GPU compiles is lowered here for one, which wants no GPU: no operation is used that it does not have.
@@ -169,13 +179,9 @@ def test_a_gpu_is_taken_unasked_for_many_runs_alone_and_only_where_there_is_one(
     monkeypatch.setattr(devices, "jax_device", lambda name: name)
     monkeypatch.setattr(devices, "has_gpu", lambda: True)
     assert devices.chosen(None, 10**6) == "gpu"
-    assert (devices.chosen(None, 10), devices.chosen("cpu", 10**6)) == (None, None)
+    assert (devices.chosen(None, 10**5), devices.chosen("cpu", 10**6)) == (None, None)
     monkeypatch.setattr(devices, "has_gpu", lambda: False)
     assert devices.chosen(None, 10**6) is None
-
-
-def has_a_gpu() -> bool:
-    return any(device.platform == "gpu" for device in jax.devices())
 
 
 @pytest.mark.skipif(has_a_gpu(), reason="there is a GPU here")
@@ -186,7 +192,7 @@ def test_a_gpu_that_is_not_there_is_refused() -> None:
         solve_batch(Method1(Block(0.2, 0.8)), theta=[0.1], t_end=1.0, solver="diffrax", device="gpu")
 
 
-@pytest.mark.skipif(not has_a_gpu(), reason="JAX finds no GPU")
+@GPU
 def test_a_map_on_a_gpu_is_that_of_the_cpu() -> None:
     omega, rate = np.meshgrid(2.0 * math.pi * np.linspace(0.5, 5.0, 80), np.linspace(0.3, 4.0, 80))
     same: dict[str, Any] = {"p": 5.5, "alpha": 0.29, "e": 0.87, "t_end": 10.0}
@@ -198,6 +204,23 @@ def test_a_map_on_a_gpu_is_that_of_the_cpu() -> None:
     assert single.device.flat[0].endswith("float32")
     assert np.all(single.finished)
     assert np.mean(one.overturned != single.overturned) < 1e-2
+
+
+# Blocks of both methods released and shaken, one loop of JAX on the GPU; the CPU's is tested against other solvers.
+@GPU
+@pytest.mark.parametrize("form", ["linear", "nonlinear"])
+def test_runs_of_diffrax_on_a_gpu_are_those_of_the_cpu(form: Any) -> None:
+    heights = np.linspace(0.4, 0.8, 64)
+    systems = [Method1(Block(0.15, float(h)), form=form) for h in heights]
+    motions = [RampedSinusoid(1.5, 3.0, float(a)) for a in np.linspace(2.0, 30.0, 64)]
+    sharp: dict[str, Any] = {"t_end": 3.0, "rtol": 1e-11, "atol": 1e-14, "solver": "diffrax"}
+    one, other = (solve_batch(systems, motions, device=name, **sharp) for name in ("jax-cpu", "gpu"))
+    assert other.device.startswith("gpu")
+    assert 5 < one.overturned.sum() < 60
+    np.testing.assert_array_equal(other.outcome, one.outcome)
+    for name in ("overturning_time", "peak_rotation", "onset_time", "t_end"):
+        # Errors of 1e-11 grow over some ten impacts.
+        np.testing.assert_allclose(getattr(other, name), getattr(one, name), rtol=0.0, atol=1e-6, err_msg=name)
 
 
 def test_single_precision_is_refused_where_it_does_not_serve_and_written_on_what_it_made() -> None:

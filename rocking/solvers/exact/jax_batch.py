@@ -5,8 +5,9 @@ operations for all lanes, so that a GPU carries them in its registers; impacts a
 
 Source   as of `rocking.solvers.exact`.
 Status   agrees with the compiled batch of `rocking.solvers.taylor.batch` to rounding, which each impact multiplies, in
-         double precision and in single; not measured on a GPU yet.  JAX's 64-bit mode is on while runs are carried,
-         and only then.
+         double precision and in single, on the CPU and on a GPU (H200).  Each round reads and writes all lanes
+         several times, which bounds its speed (`benchmarks/maps_on_device.py`).  JAX's 64-bit mode is on while
+         runs are carried, and only then.
 """
 
 from __future__ import annotations
@@ -29,8 +30,9 @@ from rocking.solvers.taylor.records import Samples
 
 Array = NDArray[np.float64]
 
-MOST_LANES = 2**18
-"""Runs side by side at most: what they hold then fits into the cache of a large GPU."""
+MOST_LANES = 2**17
+"""Runs side by side at most: what they hold then fits into the cache of a large GPU.  Half and double of it differ by a
+fifth on an H200, sinusoids and records in opposite ways."""
 
 ROUNDS = 16
 """Rounds after which lanes that are done take the next runs."""
@@ -90,6 +92,8 @@ def carried(runs: Runs, base: Base, max_events: Any, wave: bool, width: int) -> 
     F = constants(runs.pars[row], runs.starts[row], runs.motions[row], wave)
     M = idle(begun(F, runs.starts[row]))
     nobody = jnp.full(width, runs.pars.shape[0])
+    # XLA would count lanes that it knows to be free at compile time, for many seconds.
+    M, nobody = lax.optimization_barrier((M, nobody))
     lanes = refill(runs, Lanes(F, M, nobody, jnp.asarray(0), runs.out), wave)
 
     def on(lanes: Lanes) -> Any:
