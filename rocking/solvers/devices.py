@@ -19,8 +19,8 @@ DEVICES = ("cpu", "gpu", "jax-cpu")
 PRECISIONS = ("float64", "float32")
 
 LEAST_RUNS = 1_000_000
-"""A GPU is taken unasked for as many runs or more: compiling takes 5 to 20 s, in which two cores carry most of a million
-(`benchmarks/maps_on_device.py`)."""
+"""A GPU is taken unasked for as many runs or more: compiling takes 5 to 20 s, in which two cores carry most of a
+million (`benchmarks/maps_on_device.py`)."""
 
 
 def has_gpu() -> bool:
