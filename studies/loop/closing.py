@@ -17,6 +17,7 @@ from studies.loop.fitting import Fit
 from studies.loop.keeping import Keeper
 from studies.loop.learned_curves import Curve, curves
 from studies.loop.learning import FREEDOMS, LEARNED, LOSS, alike, learn, memories, profiles, unnamed
+from studies.loop.learning_of_records import unseen
 from studies.loop.model import LoopModel
 from studies.loop.names import readable
 from studies.loop.preparing import Setup, as_declared, prepare
@@ -37,7 +38,7 @@ from studies.loop.rivals import Rival, near_all, other_forms, standing, twins, t
 from studies.loop.rounds import Path
 from studies.loop.scoring import Errors, errors, leaning, median
 from studies.loop.searching import traced
-from studies.loop.settling import Settled, intervals, settle, whole_fit
+from studies.loop.settling import Settled, intervals, settle, whole_fit, whole_fit_from_many
 from studies.loop.spread import DRAWS, floor, variances
 from studies.loop.tracing import (
     PAYS,
@@ -146,7 +147,9 @@ def close(
     chosen, verdict, after, unlearned = _kept(setup, plain, path, before, stands, whole, tell)
     if chosen is not stands:
         rivals = ()
-    verdict, said = _of_whole_records(setup, chosen, verdict, whole, path.decided)
+    no_swing_shows = path.term is None and not stands.parts and over_noise(setup, stands) <= structure(setup)
+    decided = path.decided | (set(chosen.names) if no_swing_shows else set())
+    verdict, said = _of_whole_records(setup, chosen, verdict, whole, decided)
     models = {"declared": declared, "before": before.whole.model, "after": after.whole.model}
     windows = {"declared": setup.whole, "before": before.whole.windows, "after": after.whole.windows}
     all_errors = {name: errors(setup, model, windows[name]) for name, model in models.items()}
@@ -199,6 +202,11 @@ def _explained(
         if other is not None:
             return other, "unexplained"
     if not structured and len(named.parts) < 2:
+        # Of what no swing shows whole records may say what it is.
+        seen = named.parts or not (setup.by_rotation and missed(whole))
+        learned = None if seen else unseen(setup, plain, whole, tell)
+        if learned is not None:
+            return learned, "unexplained"
         return named, "effect" if named.parts else "none"
     if roughly_begun(setup, named, whole):
         return named, "effect"
@@ -215,10 +223,10 @@ def _explained(
     if named is not plain and not named.costly:
         routes.append(learn(setup.simulator, named, tell))
     best = min(routes, key=lambda t: bic(t.swing))
-    learned = any(part.effect in LEARNED for part in best.parts)
+    something = any(part.effect in LEARNED for part in best.parts)
     # Some coefficients are effects with a name: where both leave nothing, the name is the better answer.
     # Where the block alone leaves no more either, what was learned only undoes what whole records brought in.
-    if not learned or bic(best.swing) > min(bic(named.swing), bic(plain.swing)) - PAYS:
+    if not something or bic(best.swing) > min(bic(named.swing), bic(plain.swing)) - PAYS:
         if over_noise(setup, named) > unexplained(setup):
             return named, "unexplained"
         return named, "effect" if named.parts else "none"
@@ -241,6 +249,10 @@ def _otherwise(
     if named.costly or slips(named) or not setup.by_rotation or not (several or set(named.effects) & LOSSES):
         return None
     met = rms_but_for_one(whole) < CLOSELY
+    if not met:
+        # Whole records are rugged: what stands is fitted to them from more starts before it is doubted.
+        whole = min(whole, whole_fit_from_many(setup, named, whole), key=lambda f: f.chi2)
+        met = rms_but_for_one(whole) < CLOSELY
     if met and several:
         return _one_in_place_of(setup, plain, named, whole, tell)
     tell("asking whether one law without a name explains it")
@@ -258,7 +270,11 @@ def _otherwise(
     if met:
         return None
     by_term = search(setup.simulator, plain, unnamed(declared), tell)
-    found = hinted(setup, plain, bare, replace(by_law, trials=[*by_law.trials, *by_term.trials]))
+    # Two effects have the freedom to explain swings of something else, a single one that explains them has not.
+    open_to_it = [
+        t for t in (*by_law.trials, *by_term.trials) if several or bic(t.swing) < bic(named.swing) + PAYS
+    ]  # fmt: skip
+    found = hinted(setup, plain, bare, replace(by_law, trials=open_to_it))
     return next((r.trial for r in found[:1] if explains_more(setup, r.whole, whole)), None)
 
 
@@ -292,8 +308,8 @@ def _kept(
     if _carries(setup, by_name, learned):
         return chosen, verdict, learned, ()
     said = (
-        f"what was learned of the swings ({', '.join(map(readable, chosen.names))}) does not carry over whole "
-        "records: it was left out"
+        f"what was learned ({', '.join(map(readable, chosen.names))}) does not carry over whole records: it was left "
+        "out"
     )
     if over_noise(setup, stands) > structure(setup):
         return stands, "unexplained", by_name, (said,)

@@ -13,7 +13,7 @@ from studies.loop.fitting import Fit
 from studies.loop.preparing import Setup
 from studies.loop.remaining import MISSED_BY_FAR, by_chance, explains, over_noise, slips, structure
 from studies.loop.rivals import Rival
-from studies.loop.settling import gain, reweighed, telling, whole_fit
+from studies.loop.settling import from_whole_records, gain, reweighed, telling, whole_fit
 from studies.loop.tracing import FAR_LESS, LEAST_GAIN, PAYS, Round, Trial, pays, search, search_costly
 from studies.loop.whole_records import HINT, MISSED, asked, explains_more, merged, ranked
 
@@ -61,7 +61,7 @@ def followed(
 
     begin: what is accepted already.
     later: whether candidates whose runs take long are left out; then two effects have to be enough.
-    begun: rounds of a search that left them out.
+    begun: rounds of a search that left them out, swings alone having been asked if they are left out again.
     most: effects after which it ends.
     """
     path, rounds, fits = list(begin.trials), list(begin.rounds), list(begin.fits)
@@ -71,8 +71,9 @@ def followed(
             break
         if path[-1].costly and (depth >= MOST_EFFECTS_COSTLY or explains(setup, path[-1], fits[-1])):
             break
-        tell(f"tracing, round {depth + 1}")
         known = next((r for r in begun if same(r.onto, path[-1])), None)
+        if known is None or not later:
+            tell(f"tracing, round {depth + 1}")
         hopeless = {name for r in rounds for name, why in r.skipped.items() if why == FAR_LESS}
         left, known = _without(hopeless, pool, known)
         tried, accepted, confirmed = _round(setup, path[-1], fits[-1], left, tell, known, later)
@@ -107,6 +108,11 @@ def same(one: Trial, other: Trial) -> bool:
     return one is other or (one.names == other.names and one.swing.chi2 == other.swing.chi2)
 
 
+def nothing_of_swings(setup: Setup, trial: Trial) -> bool:
+    """Whether a trial leaves nothing of the swings; of a block that slips they do not say."""
+    return not slips(trial) and over_noise(setup, trial) < structure(setup)
+
+
 def _round(
     setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate], tell: Tell, known: Round | None = None,
     later: bool = False,
@@ -119,10 +125,10 @@ def _round(
     """
 
     def explained(trial: Trial) -> bool:
-        return not slips(trial) and over_noise(setup, trial) < structure(setup)
+        return nothing_of_swings(setup, trial)
 
     tried = search(setup.simulator, onto, pool, tell, explained=explained, later=later) if known is None else known
-    if known is not None and not any(map(explained, (onto, *known.trials))):
+    if known is not None and not later and not any(map(explained, (onto, *known.trials))):
         search_costly(setup.simulator, tried, tell, explained)
     accepted, confirmed = _accepted(setup, onto, whole, tried, pool, tell)
     if later or not tried.put_off:
@@ -134,8 +140,9 @@ def _round(
         return tried, accepted, confirmed
     floors = Round(onto, search_costly(setup.simulator, tried, tell, explained))
     found, decided = _accepted(setup, onto, whole, floors, (), tell, hint=-PAYS)
-    there = {t.names for t in tried.trials}
-    tried.trials += [t for t in floors.trials if t.names not in there]
+    # As they ended: whole records may have led one of them further, or brought one in.
+    own = {t.names: t for t in floors.trials}
+    tried.trials = [*(own.pop(t.names, t) for t in tried.trials), *own.values()]
     if found is None:
         return tried, accepted, confirmed
     if confirmed and decided:
@@ -144,6 +151,12 @@ def _round(
     if accepted is None or explains_more(setup, found[1], accepted[1]):
         return tried, found, decided
     return tried, accepted, confirmed
+
+
+def _in_agreement(setup: Setup, trial: Trial, whole: Fit) -> Accepted:
+    """A floor that gives, swings and whole records fitted again where whole records led to what swings prefer, too."""
+    again = from_whole_records(setup, trial, whole)
+    return (trial, whole) if again is trial else (again, whole_fit(setup, again))
 
 
 def _accepted(
@@ -155,13 +168,16 @@ def _accepted(
     likely = best is not None and pays(onto.swing, best.swing)
     if best is not None and likely:
         now = whole_fit(setup, best)
+        if best.costly:
+            best, now = _in_agreement(setup, best, now)
+            tried.trials = [best if t.names == best.names else t for t in tried.trials]
         # Where another effect is missing still, all records may be lost with this one and without it.
         if gain(setup, whole, now) > LEAST_GAIN or not telling(now, reweighed(setup, whole, now)).any():
             accepted = best, now
     # Whole records are rugged: where swings say nothing, or one fit of whole records does not bear them out, or leaves
-    # far too much, these have more to say.
+    # far too much, these have more to say.  Floors that give begin there from swings alone, and have been fitted so.
     unsettled = accepted is None or accepted[1].rms > MISSED_BY_FAR
-    if not setup.by_rotation or (likely and (onto.parts or not unsettled)):
+    if not setup.by_rotation or (best is not None and likely and (onto.parts or not unsettled or best.costly)):
         return accepted, ()
     tell("asking whole records")
     confirmed = asked(setup, onto, whole, tried, pool, hint)

@@ -2,8 +2,8 @@
 
 The effect that explains most by itself may be none of those that act together.  So where something is left over, the
 search goes on from those that came near the first one, too.  Runs on floors that give take so long that what two other
-effects explain is asked first.  Where one coefficient without a name explains all, and effects that are quickly tried
-do not, the search goes neither way.
+effects explain is asked first, unless such a floor explains some swings down to their noise.  Where one coefficient
+without a name explains all, and effects that are quickly tried do not, the search goes neither way.
 
 Source   none, own convention
 Status   a planted pair of which one effect came second to a stand-in for both is found (docs/benchmarks.md)
@@ -19,12 +19,21 @@ from studies.loop.fitting import Fit
 from studies.loop.learning import terms, unnamed
 from studies.loop.names import readable
 from studies.loop.preparing import Setup
-from studies.loop.remaining import CLOSELY, by_chance, declared_noise, explains, over_noise, slips, unexplained
+from studies.loop.remaining import (
+    CLOSELY,
+    by_chance,
+    declared_noise,
+    explains,
+    over_noise,
+    roughly_begun,
+    slips,
+    unexplained,
+)
 from studies.loop.revising import set_aside
 from studies.loop.rivals import TWIN
-from studies.loop.rounds import Path, Tell, followed, same
+from studies.loop.rounds import Path, Tell, followed, nothing_of_swings, same
 from studies.loop.settling import whole_fit, whole_fit_from_many
-from studies.loop.tracing import PAYS, Round, Trial, all_candidates, bic, pays, search
+from studies.loop.tracing import PAYS, Round, Trial, all_candidates, bic, floor_promises, pays, search
 from studies.loop.whole_records import MISSED, explains_more
 
 NEARLY_FIRST = 0.5
@@ -49,7 +58,12 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     if not setup.by_rotation:
         pool = tuple(c for c in pool if c.effect not in OF_THE_ROTATION_SENSOR)
     begin = Path([plain], [], [whole_fit(setup, plain)])
-    first = followed(setup, begin, pool, tell, later=True, most=1)
+    tell("tracing, round 1")
+    opening = _opening(setup, plain, pool, tell)
+    floor = _floor_alone(setup, begin, opening, pool, tell)
+    if floor is not None:
+        return floor
+    first = followed(setup, begin, pool, tell, later=True, begun=[opening], most=1)
     without_names = _without_names(setup, plain, first, pool, tell)
     if without_names is not None:
         return without_names
@@ -74,6 +88,32 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
         chosen = _best(setup, [quick, *floors])
     rounds = [_with_reason(r) for r in _merged([*paths, *floors])]
     return _told(setup, chosen, [*floors, *paths], greedy, rounds)
+
+
+def _opening(setup: Setup, plain: Trial, pool: Sequence[Candidate], tell: Tell) -> Round:
+    """The first round as far as swings go, without floors that give."""
+    return search(
+        setup.simulator, plain, pool, tell, explained=lambda trial: nothing_of_swings(setup, trial), later=True
+    )
+
+
+def _floor_alone(
+    setup: Setup, begin: Path, opening: Round, pool: Sequence[Candidate], tell: Tell
+) -> Path | None:  # fmt: skip
+    """The path to a floor that gives, if that alone leaves nothing where all that is quickly tried leaves something.
+
+    opening: the first round, of which swings alone were asked.
+    """
+    if any(nothing_of_swings(setup, t) for t in (opening.onto, *opening.trials)):
+        return None
+    if not declared_noise(setup) or not floor_promises(setup.simulator, opening, tell):
+        return None
+    tell("something is left: asking floors that give")
+    path = followed(setup, begin, pool, tell, begun=_to_go_through_again([opening]), most=1)
+    if not path.last.costly or (setup.by_rotation and path.whole.rms > MISSED):
+        return None
+    alone = explains(setup, path.last, path.whole) or roughly_begun(setup, path.last, path.whole)
+    return path if alone else None
 
 
 def _to_go_through_again(rounds: Sequence[Round]) -> list[Round]:

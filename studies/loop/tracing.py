@@ -71,6 +71,9 @@ one does of some, or come as near to it as `PAYS`."""
 BEHIND = "far less of some swings is explained than by the best"
 """Why others are not."""
 
+NEXT_TO_NOTHING = 1.2
+"""What a floor that gives leaves of some swings after a few steps, over what noise does, if it may leave nothing."""
+
 NOT_NEEDED = "nothing over the noise; runs take long"
 """What others leave where such a floor is not tried at all."""
 
@@ -255,6 +258,25 @@ def search_costly(
             found.skipped[c.name] = f"the fit of {found.added(known).name} leaves {NOT_NEEDED}"
     _fitted(simulator, further, found, tell)
     return found.trials[before:]
+
+
+def floor_promises(simulator: Simulator, found: Round, tell: Callable[[str], None] = lambda text: None) -> bool:
+    """Whether a floor that gives may explain all by itself: the first of those that a round put off.
+
+    It has to leave next to nothing of some swings after a few steps, and far less than all that the round tried.
+    """
+    floor = next((c for c in found.put_off if c.beyond is None), None)
+    if floor is None:
+        return False
+    tell(f"{floor.name}, on some swings")
+    first = _on_some(simulator, found.onto, floor)
+    if isinstance(first, str):
+        return False
+    chosen = _chosen(found.onto, floor)
+    noise = sum(found.onto.swing.residuals[i].size - 2 for i in chosen)
+    left = _of_some(found.onto.swing, chosen) - first.gained
+    least = min(_of_some(t.swing, chosen) for t in (found.onto, *found.trials))
+    return left < min(NEXT_TO_NOTHING * noise, least - PAYS)
 
 
 def _on_this_side(trial: Trial, parameter: str, most: float) -> bool:

@@ -123,15 +123,15 @@ def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> tu
     found: dict[str, Rival] = {}
     for (_, near), candidate in sorted(begun, key=lambda pair: pair[0][0]):
         if candidate.effect not in found:
-            rival = _confirmed(setup, onto, whole, without, near, candidate)
+            rival = confirmed(setup, onto, whole, without, near, candidate)
             found |= {} if rival is None else {candidate.effect: rival}
     return tuple(found.values())
 
 
-def _confirmed(
+def confirmed(
     setup: Setup, onto: Trial, whole: Fit, shared: Fit, near: Fit, candidate: Candidate
 ) -> Rival | None:  # fmt: skip
-    """The candidate fitted from where a scan found it, or None if it does not pay.
+    """The candidate fitted from near where it explains most, or None if it does not pay.
 
     shared: a fit of the windows on which rivals are compared.
     """
@@ -246,7 +246,8 @@ def _as_rival(
 def hints(onto: Trial, tried: Round, hint: float = HINT) -> list[Trial]:
     """The trials of a round that swings hint at, the strongest hints first; of forms tried in turn the best one.
 
-    Where swings hint at anything, its twins are among them: to tell these apart they have no say.
+    Where swings hint at anything, its twins are among them: to tell these apart they have no say.  A floor that gives,
+    on which runs take long, is not among them where swings speak for another effect by far.
     """
     ranked = sorted((t for t in tried.trials if t.parts[-1].in_swings), key=lambda t: bic(t.swing))
     if not ranked or bic(ranked[0].swing) >= bic(onto.swing) - hint:
@@ -254,7 +255,8 @@ def hints(onto: Trial, tried: Round, hint: float = HINT) -> list[Trial]:
     enough = max(bic(onto.swing) - hint, bic(ranked[0].swing) + TWIN)
     best: dict[str, Trial] = {}
     for trial in ranked:
-        if bic(trial.swing) < enough:
+        behind = trial.costly and bic(trial.swing) > bic(ranked[0].swing) + PAYS
+        if bic(trial.swing) < enough and not behind:
             best.setdefault(trial.parts[-1].after or trial.names[-1], trial)
     return list(best.values())[:MOST_HINTS]
 

@@ -158,7 +158,13 @@ def test_what_was_learned_takes_the_place_of_names_where_it_explains_far_more(mo
 def records(rms, lost=()):
     """What is left of whole records: of four alike, and of some that are lost."""
     by_window = np.array([*[rms] * 4, *lost])
-    return SimpleNamespace(rms=math.sqrt(np.mean(by_window**2)), by_window=by_window)
+    return SimpleNamespace(rms=math.sqrt(np.mean(by_window**2)), by_window=by_window, chi2=float(np.sum(by_window**2)))
+
+
+@pytest.fixture(autouse=True)
+def no_start_is_better(monkeypatch):
+    """Fits of whole records from other starts, which change nothing but where a test says so."""
+    monkeypatch.setattr(closing, "whole_fit_from_many", lambda setup, trial, whole: whole)
 
 
 @pytest.mark.parametrize(
@@ -172,6 +178,7 @@ def test_one_record_that_is_lost_is_no_doubt_of_what_was_found(lost, left):
 @pytest.mark.parametrize(
     ("named", "rms", "says", "ends"),
     [
+        # Two effects may explain more of the swings by far, and be wrong; one effect that does so is not doubted.
         (("viscous_damping", "velocity_dependent_restitution"), 1.5, True, "unexplained"),
         (("viscous_damping", "velocity_dependent_restitution"), 1.5, False, "effect"),
         # Hinge friction: two laws of loss met whole records to 1.15 times the noise, its own coefficient to 1.03.
@@ -188,7 +195,7 @@ def test_one_record_that_is_lost_is_no_doubt_of_what_was_found(lost, left):
 def test_a_law_that_has_no_name_is_asked_of_whole_records_that_names_miss(monkeypatch, named, rms, says, ends):
     """Friction on one side alone hardly shows in swings, where two other losses stand for it."""
     plain, found = explained_trial(20_000.0), explained_trial(9_000.0, *named)
-    term, asked = explained_trial(9_100.0, "learned_term"), []
+    term, asked = explained_trial(9_100.0 if len(named) > 1 else 9_050.0, "learned_term"), []
     monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.0)
     monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
     monkeypatch.setattr(closing, "by_chance", lambda setup, trial: True)
@@ -212,6 +219,38 @@ def test_a_law_that_has_no_name_is_asked_of_whole_records_that_names_miss(monkey
     assert verdict == ends and chosen is (term if ends == "unexplained" else found)
     if asked:
         assert "learned[friction by side]" in asked and "learned[damping]" not in asked
+
+
+@pytest.mark.parametrize(
+    ("again", "left", "asked"),
+    [
+        # rounded_edges-68001: met to 1.28 times the noise from where swings end, to 1.0 from another start; a
+        # restitution that differs by side, which explains the swings less by 190, was said to be it.
+        (1.05, 50.0, None),
+        (1.5, 50.0, ["learned_term"]),
+        (1.5, 70.0, []),
+    ],
+)
+def test_a_single_effect_is_doubted_only_where_no_start_meets_whole_records_and_swings_allow(
+    monkeypatch, again, left, asked
+):
+    plain, found = explained_trial(20_000.0), explained_trial(9_000.0, "rounded_edges")
+    term, seen = explained_trial(9_000.0 + left, "learned_term"), []
+    monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.0)
+    monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
+    monkeypatch.setattr(closing, "memories", lambda block, windows: ())
+    monkeypatch.setattr(closing, "profiles", lambda block, windows: ())
+    monkeypatch.setattr(closing, "unnamed", lambda block: ("a term",))
+    monkeypatch.setattr(closing, "whole_fit_from_many", lambda setup, trial, whole: records(again))
+    monkeypatch.setattr(closing, "explains_more", lambda setup, one, other: False)
+    monkeypatch.setattr(closing, "whole_fit", lambda setup, trial, whole: whole)
+    monkeypatch.setattr(closing, "search", lambda simulator, onto, pool, tell: Round(onto, [term] if pool else []))
+    monkeypatch.setattr(
+        closing, "hinted", lambda setup, onto, bare, tried: seen.append([t.names[0] for t in tried.trials]) or ()
+    )
+    setup = SimpleNamespace(by_rotation=True, simulator=None, records=[])
+    closing._explained(setup, plain, "bare", found, records(1.5), lambda text: None)
+    assert seen == ([] if asked is None else [asked])
 
 
 @pytest.mark.parametrize(

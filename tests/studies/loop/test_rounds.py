@@ -1,6 +1,7 @@
 """One round of the loop: what is put off, when it is tried after all, and which rivals are kept; all fits are stubs."""
 
 import math
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -107,6 +108,7 @@ def stubs(monkeypatch):
 
     for stub in (search, search_costly, asked):
         monkeypatch.setattr(rounds, stub.__name__, stub)
+    monkeypatch.setattr(rounds, "from_whole_records", lambda _, t, found: t)
     monkeypatch.setattr(rounds, "whole_fit", lambda _, t: told.whole[t.names[-1]])
     monkeypatch.setattr(rounds, "gain", lambda _, without, found: 1.0 - found.rms / without.rms)
     monkeypatch.setattr(rounds, "reweighed", lambda _, other, found: other)
@@ -178,6 +180,64 @@ def test_accelerometers_ask_no_whole_records(stubs):
     assert stubs.tried == [] and stubs.asked == []
 
 
+def test_a_round_that_is_known_leaves_floors_out_where_it_is_told_to(stubs):
+    setup = SimpleNamespace(simulator=None, by_rotation=True)
+    stubs.whole["tilt"] = whole(30.0, 40.0)
+    for later, tried in ((True, []), (False, ["floor"])):
+        stubs.tried.clear()
+        known = Round(PLAIN, [trial("tilt", 900.0, 1.5)], put_off=("floor",))
+        rounds._round(setup, trial("", 1000.0, 1.6), whole(30.0, 40.0), (), lambda text: None, known, later)
+        assert stubs.tried == tried
+
+
+@pytest.mark.parametrize(("there", "again"), [(439.0, True), (441.0, False)])
+def test_swings_on_a_floor_are_fitted_again_from_where_whole_records_led_if_they_prefer_it(monkeypatch, there, again):
+    """winkler_bed-68001: swings had ended at half the stiffness, and whole records beside the true one."""
+    fits = []
+
+    def fit(simulator, model, parameters, windows, iterations):
+        fits.append((model, tuple(parameters), windows))
+        return SimpleNamespace(chi2=there if not parameters else there - 5.0, windows=f"from {windows}", model=model)
+
+    @dataclass(frozen=True)
+    class Swings:
+        every: tuple
+        swing: object
+
+    monkeypatch.setattr(settling, "fit", fit)
+    first = SimpleNamespace(chi2=500.0, windows="the swings", model="soft")
+    trial, whole = Swings(("k",), first), SimpleNamespace(model="stiff")
+    found = settling.from_whole_records(SimpleNamespace(simulator=None), trial, whole)
+    assert (found is not trial) is again
+    assert fits[0] == ("stiff", (), "the swings")
+    assert fits[1:] == ([("stiff", ("k",), "from the swings")] if again else [])
+    assert found.swing.model == ("stiff" if again else "soft")
+
+
+def test_a_floor_is_taken_with_swings_and_whole_records_in_agreement(stubs, monkeypatch):
+    other = trial("floor", 850.0, 0.97, costly=True)
+    seen, wholes = [], iter([whole(1.4, 1.4), whole(1.0, 1.0)])
+    monkeypatch.setattr(rounds, "whole_fit", lambda _, t: next(wholes))
+    monkeypatch.setattr(rounds, "from_whole_records", lambda _, t, found: seen.append((t, found.rms)) or other)
+    setup = SimpleNamespace(simulator=None, by_rotation=True)
+    tried = Round(PLAIN, [FLOOR, TILT])
+    found, _ = rounds._accepted(setup, PLAIN, whole(30.0, 40.0), tried, (), lambda text: None)
+    assert found[0] is other and found[1].rms == 1.0
+    assert seen == [(FLOOR, pytest.approx(1.4))]
+    assert tried.trials == [other, TILT]
+
+
+@pytest.mark.parametrize(("costly", "asked"), [(True, []), (False, [whole_records.HINT])])
+def test_a_floor_that_swings_bear_out_is_not_asked_of_whole_records_again(stubs, costly, asked):
+    """They begin there where swings end, as the fit of whole records did that leaves far too much."""
+    best = trial("best", 100.0, 2.0)
+    best.costly = costly
+    stubs.whole["best"] = whole(5.0, 6.0)
+    setup = SimpleNamespace(simulator=None, by_rotation=True)
+    found, _ = rounds._accepted(setup, PLAIN, whole(30.0, 40.0), Round(PLAIN, [best]), (), lambda text: None)
+    assert found[0] is best and stubs.asked == asked
+
+
 @pytest.mark.parametrize(
     "criterion, left, first", [(80.0, 1.0, "floor"), (120.0, 1.0, "floor"), (120.0, 5.0, "tilt"), (80.0, 7.0, "tilt")]
 )
@@ -197,10 +257,10 @@ def test_rivals_of_both_passes_are_kept(stubs, monkeypatch, criterion, left, fir
     assert stubs.asked == [whole_records.HINT, -rounds.PAYS]
 
 
-def _hint(name, bic_of_swings, after=""):
+def _hint(name, bic_of_swings, after="", costly=False):
     part = SimpleNamespace(name=name, after=after, in_swings=True)
     swing = SimpleNamespace(chi2=bic_of_swings, parameters=(), samples=10)
-    return SimpleNamespace(names=(name,), parts=(part,), swing=swing)
+    return SimpleNamespace(names=(name,), parts=(part,), swing=swing, costly=costly)
 
 
 def _hints_at_100(*tried):
@@ -217,6 +277,15 @@ def test_a_twin_of_a_hint_is_put_to_whole_records_and_without_a_hint_none_is():
     """A hint is 6 of the criterion; its twins are within 12."""
     assert _hints_at_100(_hint("gain", 91.0), _hint("mass", 101.0), _hint("drag", 104.0)) == ["gain", "mass"]
     assert _hints_at_100(_hint("gain", 95.0), _hint("mass", 96.0)) == []
+
+
+def test_a_floor_is_put_to_whole_records_only_where_swings_do_not_prefer_another_effect_by_far():
+    """By 60 of the criterion; its runs take long."""
+    assert _hints_at_100(_hint("gain", 20.0), _hint("floor", 81.0, costly=True), _hint("mass", 82.0)) == [
+        "gain",
+        "mass",
+    ]
+    assert _hints_at_100(_hint("gain", 20.0), _hint("floor", 79.0, costly=True)) == ["gain", "floor"]
 
 
 @pytest.mark.parametrize(("gained", "tried"), [(0.0, ["plain"]), (2.9, ["plain"]), (3.1, ["plain", "plain[other]"])])
@@ -289,6 +358,38 @@ def test_a_corner_that_bounces_is_not_tried_where_a_softer_floor_leaves_nothing(
     assert fitted == tried
     said = "the fit of floor leaves nothing over the noise; runs take long"
     assert found.skipped == ({"hard": said} if len(tried) == 1 else {})
+
+
+@pytest.mark.parametrize(
+    ("left", "other", "promises"),
+    [
+        (1199.0, 1300.0, True),
+        (1201.0, 1300.0, False),  # of 1,000 numbers that are not taken up by where swings begin
+        (1000.0, 1059.0, False),  # what others leave is not more by as much as pays
+        (1000.0, 1061.0, True),
+    ],
+)
+def test_a_floor_promises_to_explain_all_where_it_leaves_little_and_others_leave_more(
+    monkeypatch, left, other, promises
+):
+    swing = SimpleNamespace(residuals=[np.zeros(252)] * 4, left=5000.0)
+    onto = SimpleNamespace(swing=swing)
+    pool = (SimpleNamespace(name="hard", beyond=("k", 1.0)), floor := SimpleNamespace(name="floor", beyond=None))
+    monkeypatch.setattr(tracing, "_chosen", lambda onto, candidate: [0, 1, 2, 3])
+    monkeypatch.setattr(tracing, "_of_some", lambda swing, chosen: swing.left)
+    asked = []
+
+    def first(_, __, candidate):
+        asked.append(candidate)
+        return SimpleNamespace(gained=5000.0 - left)
+
+    monkeypatch.setattr(tracing, "_on_some", first)
+    others = [SimpleNamespace(swing=SimpleNamespace(left=value)) for value in (other, 4000.0)]
+    assert tracing.floor_promises(None, Round(onto, others, put_off=pool)) is promises
+    assert asked == [floor]
+    assert not tracing.floor_promises(None, Round(onto, others, put_off=pool[:1]))
+    monkeypatch.setattr(tracing, "_on_some", lambda *_: "no start led anywhere")
+    assert not tracing.floor_promises(None, Round(onto, others, put_off=pool))
 
 
 @pytest.mark.parametrize(("costs", "kept"), [(True, ["tilt", "floor"]), (False, ["tilt", "floor", "hard"])])

@@ -13,7 +13,7 @@ def ways(monkeypatch):
     """A search in which floors are put off at first, and each case says what is accepted and what that leaves."""
     told = SimpleNamespace(
         chance=True, explains=True, rounds=[], accepted={}, put_off=(SimpleNamespace(name="floor"),), whole=1.4,
-        trials={}, declared=True, term=False,
+        trials={}, declared=True, term=False, promises=False, nothing=(),
     )  # fmt: skip
 
     def one_round(setup, onto, whole, pool, tell, known, later):
@@ -25,7 +25,13 @@ def ways(monkeypatch):
             tried.trials.append(nxt)
         return tried, nxt and (nxt, whole_of(told, nxt)), ()
 
+    def opening(setup, plain, pool, tell):
+        return Round(plain, list(told.trials.get((), ())), put_off=told.put_off)
+
     monkeypatch.setattr(rounds, "_round", one_round)
+    monkeypatch.setattr(searching, "_opening", opening)
+    monkeypatch.setattr(searching, "floor_promises", lambda simulator, found, tell: told.promises)
+    monkeypatch.setattr(searching, "nothing_of_swings", lambda setup, trial: trial.names in told.nothing)
     monkeypatch.setattr(searching, "all_candidates", lambda model, friction: ())
     monkeypatch.setattr(
         searching, "whole_fit", lambda setup, trial: SimpleNamespace(rms=told.whole, of=trial.names, best=None)
@@ -45,7 +51,7 @@ def ways(monkeypatch):
 def setup_of(by_rotation):
     """A campaign that declares no friction."""
     campaign = SimpleNamespace(conditions=SimpleNamespace(friction=None))
-    return SimpleNamespace(by_rotation=by_rotation, campaign=campaign)
+    return SimpleNamespace(by_rotation=by_rotation, campaign=campaign, simulator=None)
 
 
 def whole_of(told, trial):
@@ -115,7 +121,7 @@ def test_floors_are_not_tried_where_two_effects_leave_nothing(ways):
     ways.accepted = {((), True): path_of("a"), (("a",), True): (both := path_of("a", "b"))}
     both.swing.rms, ways.whole = 1.0, 1.29
     assert [t.names for t in searched().trials] == [(), ("a",), ("a", "b")]
-    assert ways.rounds == [((), True, False), (("a",), True, False)]
+    assert ways.rounds == [((), True, True), (("a",), True, False)]
 
 
 @pytest.mark.parametrize("whole, asked", [(1.29, False), (1.31, True)])
@@ -165,6 +171,45 @@ def test_one_effect_that_leaves_nothing_needs_no_floor(ways):
     ways.put_off = ()
     searched()
     assert all(later for _, later, _ in ways.rounds)
+
+
+@pytest.fixture
+def springs(ways, monkeypatch):
+    """A floor on springs that promises to explain all that no other effect does, and does."""
+    ways.promises, ways.chance, ways.whole = True, False, 1.0
+    ways.roughly = False
+    floor = path_of("springs", costly=True)
+    ways.accepted = {((), True): path_of("a"), ((), False): floor, (("a",), False): path_of("a", "springs")}
+    monkeypatch.setattr(searching, "explains", lambda setup, trial, whole: ways.explains and trial is floor)
+    monkeypatch.setattr(searching, "roughly_begun", lambda setup, trial, whole: ways.roughly)
+    return ways
+
+
+def test_a_floor_that_explains_all_by_itself_ends_the_search_before_others_are_asked(springs):
+    found = searched()
+    assert [t.names for t in found.trials] == [(), ("springs",)]
+    assert springs.rounds == [((), False, True)]
+    springs.explains, springs.roughly = False, True
+    assert searched().last.names == ("springs",)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        pytest.param({"promises": False}, id="not of some swings"),
+        pytest.param({"declared": False}, id="the noise is estimated"),
+        pytest.param({"nothing": [("a",)]}, id="another effect leaves nothing of the swings"),
+        pytest.param({"nothing": [()]}, id="the calibrated block leaves nothing of the swings"),
+        pytest.param({"whole": 1.31}, id="it misses whole records"),
+        pytest.param({"explains": False}, id="it leaves something of the swings"),
+    ],
+)
+def test_others_are_asked_first_where_a_floor_does_not_explain_all(springs, change):
+    springs.trials = {(): [path_of("a")]}
+    for name, value in change.items():
+        setattr(springs, name, value)
+    searched()
+    assert ((), True, True) in springs.rounds
 
 
 def test_one_effect_that_slips_puts_no_floor_off(ways):

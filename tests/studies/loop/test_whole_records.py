@@ -168,7 +168,7 @@ def test_all_effects_that_a_scan_confirms_are_compared_each_in_its_nearest_form(
     monkeypatch.setattr(whole_records, "predictable", lambda given: given)
     monkeypatch.setattr(whole_records, "fit_records", lambda *_, **__: None)
     monkeypatch.setattr(whole_records, "_scanned", lambda setup, whole, without, c: (off[c.name], None))
-    monkeypatch.setattr(whole_records, "_confirmed", confirmed)
+    monkeypatch.setattr(whole_records, "confirmed", confirmed)
     onto, whole = SimpleNamespace(effects=(), every=()), SimpleNamespace(windows=["one"], model=None)
     found = scan(SimpleNamespace(simulator=None), onto, whole, list(reversed(pool)))
     assert found == ("slip[ratio]", "glue")

@@ -1,0 +1,119 @@
+"""What no swing shows learned of whole records: which form is taken, and when none is; fits are stubs."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from studies.campaigns import DeclaredBlock
+from studies.loop import closing, learning_of_records
+from studies.loop.learning_of_records import forms, unseen
+from studies.loop.tracing import Round
+
+from .stubs import trial, whole
+
+BLOCK = DeclaredBlock(0.2, 0.8, 0.4, 40.0)
+
+
+@pytest.fixture
+def records(monkeypatch):
+    """Whole records in which a start's number is the sum of squares that a fit from there leaves."""
+    told = SimpleNamespace(pool=[], asked=[], borne_out=(), preferred=None, windows=["a record"], steps=[])
+
+    def fit(simulator, model, parameters, windows, **how):
+        if model.left is None:
+            raise ValueError("numbers that do not go together")
+        told.steps.append((tuple(p for p in parameters), how["whole"], how["central"]))
+        return SimpleNamespace(chi2=model.left, parameters=parameters, samples=1000, model=model)
+
+    def confirmed(setup, plain, bare, without, first, candidate):
+        told.asked.append((candidate.name, first.chi2))
+        return SimpleNamespace(trial=candidate.name) if candidate.name in told.borne_out else None
+
+    def ranked(setup, rivals):
+        return sorted(rivals, key=lambda r: r.trial != told.preferred)
+
+    start = SimpleNamespace(changed=lambda values: SimpleNamespace(left=values["left"]))
+    monkeypatch.setattr(learning_of_records, "predictable", lambda windows: told.windows)
+    monkeypatch.setattr(learning_of_records, "fit_records", lambda *_, **__: SimpleNamespace(model=start))
+    monkeypatch.setattr(learning_of_records, "forms", lambda setup, plain: told.pool)
+    for stub in (fit, confirmed, ranked):
+        monkeypatch.setattr(learning_of_records, stub.__name__, stub)
+
+    def form(name, *left, none=0.0):
+        starts = tuple({"left": value} for value in left)
+        return SimpleNamespace(
+            name=name, starts=starts, fixed={}, parameters=(name,), absent=lambda block: {"left": none}
+        )
+
+    def search():
+        told.asked.clear()
+        plain = SimpleNamespace(
+            every=("e",), parameters=(), calibrated_with=lambda candidate: ("e",),
+            swing=SimpleNamespace(model=SimpleNamespace(declared=BLOCK)),
+        )  # fmt: skip
+        setup = SimpleNamespace(simulator=None)
+        return unseen(setup, plain, SimpleNamespace(windows=(), model=None), lambda text: None)
+
+    told.form, told.search = form, search
+    return told
+
+
+def test_the_forms_that_explain_most_from_any_of_their_starts_are_put_to_whole_records(records):
+    form = records.form
+    records.pool = [form("d", 400.0), form("a", 900.0, 100.0), form("b", None, 200.0), form("c", none=300.0)]
+    assert records.search() is None
+    assert records.asked == [("a", 100.0), ("b", 200.0), ("c", 300.0)]
+    assert set(records.steps) == {((("e", name)), True, True) for name in "abcd"}
+
+
+def test_of_those_that_are_borne_out_whole_records_say_which(records):
+    records.pool = [records.form("a", 100.0), records.form("b", 200.0), records.form("c", 300.0)]
+    records.borne_out, records.preferred = ("b", "c"), "c"
+    assert records.search() == "c"
+
+
+def test_nothing_is_learned_where_no_start_leads_anywhere_or_nothing_is_predictable(records):
+    records.pool = [records.form("a", None)]
+    assert records.search() is None and records.asked == []
+    records.windows, records.pool = [], [records.form("a", 100.0)]
+    assert records.search() is None and records.asked == []
+
+
+@pytest.mark.parametrize(("kinds", "strained"), [(("ramp", "free"), True), (("ramp",), False)])
+def test_forms_have_few_coefficients_and_none_is_an_effect_with_a_name(kinds, strained):
+    noise = np.full(3, 1e-4)
+    windows = (SimpleNamespace(noise=noise, accelerometers=False, theta=0.1),)
+    plain = SimpleNamespace(swing=SimpleNamespace(model=SimpleNamespace(declared=BLOCK), windows=windows))
+    setup = SimpleNamespace(simulator=SimpleNamespace(tests=[SimpleNamespace(kind=kind) for kind in kinds]))
+    found = {c.name: c for c in forms(setup, plain)}
+    assert {"learned[mode]", "learned[hysteresis]", "learned[side]", "restitution_drift"} < set(found)
+    assert not {"learned[damping]", "learned[bias]", "learned[restitution_speed]"} & set(found)
+    assert max(len(c.parameters) for c in found.values()) == 4
+    # What was pulled before it was let go is asked only of tests that begin so.
+    there = "learned_hysteresis.strained" in [p.name for p in found["learned[hysteresis]"].parameters]
+    assert there is strained
+
+
+@pytest.mark.parametrize(
+    ("named", "rms", "rotation", "learned", "ends"),
+    [
+        # slosh-68001: swings are explained, whole records are missed by 3.7 times their noise.
+        ("", (6.1, 5.8, 0.8, 1.0), True, True, "unexplained"),
+        ("", (6.1, 5.8, 0.8, 1.0), True, False, "none"),
+        ("", (2.9, 2.9, 0.8, 1.0), True, True, "none"),
+        ("", (6.1, 5.8, 0.8, 1.0), False, True, "none"),  # accelerometers hang too finely on when the side changes
+        ("tilt", (6.1, 5.8, 0.8, 1.0), True, True, "effect"),
+    ],
+)
+def test_whole_records_are_learned_of_where_they_alone_show_something(monkeypatch, named, rms, rotation, learned, ends):
+    plain = trial("", 1000.0, 1.0)
+    stands = trial(named, 900.0, 1.0) if named else plain
+    form = trial("learned[mode]", 990.0, 1.0)
+    monkeypatch.setattr(closing, "over_noise", lambda setup, trial: trial.swing.over)
+    monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
+    monkeypatch.setattr(closing, "unseen", lambda setup, onto, bare, tell: form if learned else None)
+    monkeypatch.setattr(closing, "search", lambda *_, **__: Round(plain, []))
+    setup = SimpleNamespace(by_rotation=rotation, simulator=None)
+    chosen, verdict = closing._explained(setup, plain, whole(*rms), stands, whole(*rms), lambda text: None)
+    assert verdict == ends and chosen is (form if ends == "unexplained" else stands)
