@@ -4,7 +4,7 @@ In a single swing a mass that moves inside, or a little more loss in each impact
 in a whole record what it does adds up.  Forms of few coefficients are fitted to whole records, as far as these are
 predictable, from all their starts.  The best ones have to answer what effects that are scanned there have to.
 
-Status   a planted mass inside that leaves nothing in the swings is found (docs/benchmarks.md); curves are left out,
+Status   a planted mass inside that leaves nothing in the swings is found (slow test); curves are left out,
          since whole records are few for their many coefficients
 """
 
@@ -69,9 +69,7 @@ def _begun(
     for start in candidate.starts or (candidate.absent(plain.swing.model.declared),):
         try:
             model = without.model.changed({**candidate.fixed, **start})
-            found = fit(
-                setup.simulator, model, parameters, windows, whole=True, iterations=STEPS, central=True
-            )  # fmt: skip
+            found = fit(setup.simulator, model, parameters, windows, whole=True, iterations=STEPS, central=True)
         except ValueError:
             continue  # numbers that do not go together
         if best is None or found.chi2 < best.chi2:

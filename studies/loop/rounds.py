@@ -113,6 +113,15 @@ def nothing_of_swings(setup: Setup, trial: Trial) -> bool:
     return not slips(trial) and over_noise(setup, trial) < structure(setup)
 
 
+def searched(setup: Setup, onto: Trial, pool: Sequence[Candidate], tell: Tell, later: bool) -> Round:
+    """What swings say of a pool on top of a trial; later: whether candidates whose runs take long are left out."""
+
+    def explained(trial: Trial) -> bool:
+        return nothing_of_swings(setup, trial)
+
+    return search(setup.simulator, onto, pool, tell, explained=explained, later=later)
+
+
 def _round(
     setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate], tell: Tell, known: Round | None = None,
     later: bool = False,
@@ -127,7 +136,7 @@ def _round(
     def explained(trial: Trial) -> bool:
         return nothing_of_swings(setup, trial)
 
-    tried = search(setup.simulator, onto, pool, tell, explained=explained, later=later) if known is None else known
+    tried = searched(setup, onto, pool, tell, later) if known is None else known
     if known is not None and not later and not any(map(explained, (onto, *known.trials))):
         search_costly(setup.simulator, tried, tell, explained)
     accepted, confirmed = _accepted(setup, onto, whole, tried, pool, tell)

@@ -31,7 +31,7 @@ from studies.loop.remaining import (
 )
 from studies.loop.revising import set_aside
 from studies.loop.rivals import TWIN
-from studies.loop.rounds import Path, Tell, followed, nothing_of_swings, same
+from studies.loop.rounds import Path, Tell, followed, nothing_of_swings, same, searched
 from studies.loop.settling import whole_fit, whole_fit_from_many
 from studies.loop.tracing import PAYS, Round, Trial, all_candidates, bic, floor_promises, pays, search
 from studies.loop.whole_records import MISSED, explains_more
@@ -59,7 +59,7 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
         pool = tuple(c for c in pool if c.effect not in OF_THE_ROTATION_SENSOR)
     begin = Path([plain], [], [whole_fit(setup, plain)])
     tell("tracing, round 1")
-    opening = _opening(setup, plain, pool, tell)
+    opening = searched(setup, plain, pool, tell, later=True)
     floor = _floor_alone(setup, begin, opening, pool, tell)
     if floor is not None:
         return floor
@@ -88,13 +88,6 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
         chosen = _best(setup, [quick, *floors])
     rounds = [_with_reason(r) for r in _merged([*paths, *floors])]
     return _told(setup, chosen, [*floors, *paths], greedy, rounds)
-
-
-def _opening(setup: Setup, plain: Trial, pool: Sequence[Candidate], tell: Tell) -> Round:
-    """The first round as far as swings go, without floors that give."""
-    return search(
-        setup.simulator, plain, pool, tell, explained=lambda trial: nothing_of_swings(setup, trial), later=True
-    )
 
 
 def _floor_alone(

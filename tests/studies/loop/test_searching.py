@@ -25,11 +25,12 @@ def ways(monkeypatch):
             tried.trials.append(nxt)
         return tried, nxt and (nxt, whole_of(told, nxt)), ()
 
-    def opening(setup, plain, pool, tell):
+    def searched(setup, plain, pool, tell, later):
+        assert later
         return Round(plain, list(told.trials.get((), ())), put_off=told.put_off)
 
     monkeypatch.setattr(rounds, "_round", one_round)
-    monkeypatch.setattr(searching, "_opening", opening)
+    monkeypatch.setattr(searching, "searched", searched)
     monkeypatch.setattr(searching, "floor_promises", lambda simulator, found, tell: told.promises)
     monkeypatch.setattr(searching, "nothing_of_swings", lambda setup, trial: trial.names in told.nothing)
     monkeypatch.setattr(searching, "all_candidates", lambda model, friction: ())
