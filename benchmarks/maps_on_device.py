@@ -2,7 +2,7 @@
 
 Maps     ramped sinusoids, frequency 0.5 to 5 Hz and amplitude 0.3 to 4 g, block of 0.15 x 0.50 m; blocks of height 0.2
          to 5 m, b/h = 0.3, under 30 s of noise, peak 0.08 to 1.2 g.  Method 1 linear, in double and single precision.
-Peer     this package's compiled batch in the same run, on two threads and on all cores of that machine.
+Peers    this package's compiled batch in the same run, on two threads and on all cores of that machine.
 Measure  wall time, arrays in and arrays out, the least of three after one that compiles; how many runs fall otherwise
          than by the compiled batch.  Runs of hundreds of impacts multiply rounding, so that some do with any other
          order of operations.
