@@ -8,8 +8,8 @@ import pytest
 
 from studies.campaigns import DeclaredBlock, read
 from studies.laboratory.campaign import make_campaign
+from studies.laboratory.parameters import G
 from studies.loop import closing, learning_of_records
-from studies.loop.closing import STANDARD_GRAVITY
 from studies.loop.learning_of_records import forms, unseen
 from studies.loop.prediction import predict
 from studies.loop.preparing import as_declared, prepare
@@ -26,7 +26,7 @@ def test_a_mass_inside_that_swings_do_not_show_is_learned_of_whole_records(tmp_p
     """Of the laboratory: it shares no code with the model, and its mass hangs on a pendulum of finite length."""
     truth = make_campaign(68001, ["slosh"], tmp_path)
     campaign = read(tmp_path / "campaign" / "campaign.toml")
-    setup = prepare(campaign, as_declared(campaign, STANDARD_GRAVITY))
+    setup = prepare(campaign, as_declared(campaign, G))
     plain = baseline(setup.simulator, setup.start, setup.swings)
     bare = whole_fit(setup, plain)
     # Nothing is left of the swings, and whole records are missed.
