@@ -42,6 +42,7 @@ class Candidate:
     screened: int = 0  # so many starts are fitted, those that explain most as they are; all if 0
     after: str = ""  # a form that is tried before; where that promises nothing, this one is left out
     beyond: tuple[str, float] | None = None  # parameter of another effect, and the value up to which that is the name
+    beside: str = ""  # a parameter in which whole records have minima beside each other
     assumed: Mapping[str, float] = field(default_factory=dict)  # of those that stay: other values that may be as right
 
     def nothing(self, block: DeclaredBlock) -> dict[str, float]:
@@ -144,7 +145,7 @@ def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candi
                    "compliant_base.tangential_ratio": 1.0} for k in soft),
             {"compliant_base.spread": spread, "compliant_base.friction": grip}, smooth=False,
             replaces_restitution=True, costly=True, scouts=("compliant_base.damping_ratio",), screened=FLOORS,
-            assumed={"compliant_base.friction": other},
+            beside="compliant_base.tangential_ratio", assumed={"compliant_base.friction": other},
         )
         for label, spread in (("compliant_base", 0.0), ("compliant_base[bed]", 1.0))
     )  # fmt: skip
@@ -189,7 +190,7 @@ def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candi
                   for f in (200.0, 350.0, 550.0) for e in (0.3, 0.45, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9)),
             {"bouncing.friction": grip}, smooth=False, replaces_restitution=True, costly=True,
             scouts=("bouncing.normal_restitution",), beyond=("compliant_base.corner_stiffness", hard),
-            assumed={"bouncing.friction": other},
+            beside="bouncing.tangential_ratio", assumed={"bouncing.friction": other},
         ),
         Candidate(
             "base_adhesion", "base_adhesion", (Parameter("base_adhesion.moment", 0.02 * moment, 0.0, 2.0 * moment),),

@@ -38,7 +38,7 @@ from studies.loop.rivals import Rival, near_all, other_forms, standing, twins, t
 from studies.loop.rounds import Path
 from studies.loop.scoring import Errors, errors, leaning, median
 from studies.loop.searching import traced
-from studies.loop.settling import Settled, intervals, settle, whole_fit, whole_fit_from_many
+from studies.loop.settling import Settled, intervals, settle
 from studies.loop.spread import DRAWS, floor, variances
 from studies.loop.tracing import (
     PAYS,
@@ -48,6 +48,7 @@ from studies.loop.tracing import (
     bic,
     search,
 )
+from studies.loop.whole_fits import whole_fit, whole_fit_from_many
 from studies.loop.whole_records import MISSED, explains_more, hinted
 from studies.loop.windows import scored_window
 

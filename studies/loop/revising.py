@@ -19,8 +19,8 @@ from studies.loop.fitting import Fit, fit
 from studies.loop.names import readable
 from studies.loop.preparing import Setup
 from studies.loop.rivals import TWIN
-from studies.loop.settling import whole_fit, whole_fit_from_many
 from studies.loop.tracing import FURTHER_COSTLY, Round, Trial, bic, pays, search
+from studies.loop.whole_fits import whole_fit, whole_fit_from_many
 from studies.loop.whole_records import explains_more
 
 MOST_TRIED = 6

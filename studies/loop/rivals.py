@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from studies.loop.fitting import Fit, fit
 from studies.loop.preparing import Setup
 from studies.loop.scoring import errors
-from studies.loop.settling import whole_fit, whole_fit_from_many
 from studies.loop.tracing import FURTHER_COSTLY, Round, Trial, bic
+from studies.loop.whole_fits import whole_fit, whole_fit_from_many
 
 TWIN = 12.0
 """A rival whose criterion is within this of the best cannot be told apart: odds of exp(-6) or better."""

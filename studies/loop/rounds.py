@@ -10,11 +10,12 @@ from dataclasses import dataclass, replace
 
 from studies.loop.candidates import Candidate
 from studies.loop.fitting import Fit
+from studies.loop.floors_that_give import in_agreement
 from studies.loop.preparing import Setup
 from studies.loop.remaining import MISSED_BY_FAR, by_chance, explains, over_noise, slips, structure
 from studies.loop.rivals import Rival
-from studies.loop.settling import from_whole_records, gain, reweighed, telling, whole_fit
 from studies.loop.tracing import FAR_LESS, LEAST_GAIN, PAYS, Round, Trial, pays, search, search_costly
+from studies.loop.whole_fits import gain, reweighed, telling, whole_fit
 from studies.loop.whole_records import HINT, MISSED, asked, explains_more, merged, ranked
 
 Tell = Callable[[str], None]
@@ -162,12 +163,6 @@ def _round(
     return tried, accepted, confirmed
 
 
-def _in_agreement(setup: Setup, trial: Trial, whole: Fit) -> Accepted:
-    """A floor that gives, swings and whole records fitted again where whole records led to what swings prefer, too."""
-    again = from_whole_records(setup, trial, whole)
-    return (trial, whole) if again is trial else (again, whole_fit(setup, again))
-
-
 def _accepted(
     setup: Setup, onto: Trial, whole: Fit, tried: Round, pool: Sequence[Candidate], tell: Tell, hint: float = HINT
 ) -> tuple[Accepted | None, tuple[Rival, ...]]:
@@ -178,7 +173,7 @@ def _accepted(
     if best is not None and likely:
         now = whole_fit(setup, best)
         if best.costly:
-            best, now = _in_agreement(setup, best, now)
+            best, now = in_agreement(setup, best, now)
             tried.trials = [best if t.names == best.names else t for t in tried.trials]
         # Where another effect is missing still, all records may be lost with this one and without it.
         if gain(setup, whole, now) > LEAST_GAIN or not telling(now, reweighed(setup, whole, now)).any():

@@ -32,8 +32,8 @@ from studies.loop.remaining import (
 from studies.loop.revising import set_aside
 from studies.loop.rivals import TWIN
 from studies.loop.rounds import Path, Tell, followed, nothing_of_swings, same, searched
-from studies.loop.settling import whole_fit, whole_fit_from_many
 from studies.loop.tracing import PAYS, Round, Trial, all_candidates, bic, floor_promises, pays, search
+from studies.loop.whole_fits import whole_fit, whole_fit_from_many
 from studies.loop.whole_records import MISSED, explains_more
 
 NEARLY_FIRST = 0.5

@@ -1,4 +1,4 @@
-"""Fits over whole records, and the parameters on which swings and whole records agree.
+"""The parameters on which swings and whole records agree, with their covariance.
 
 Status   the intervals' coverage is measured on campaigns with planted effects (studies/loop_coverage.py).
 """
@@ -6,8 +6,8 @@ Status   the intervals' coverage is measured on campaigns with planted effects (
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +15,11 @@ from numpy.typing import NDArray
 from studies.loop.estimating import robust_covariance, scales, sensor_covariance
 from studies.loop.fitting import Fit, fit, fit_records
 from studies.loop.learning import LEARNED
-from studies.loop.linearising import ROBUST, objectives
 from studies.loop.model import LoopModel
 from studies.loop.parameters import Parameter
 from studies.loop.preparing import Setup
-from studies.loop.spread import variances, weighed
 from studies.loop.tracing import FURTHER_COSTLY, PAYS, Trial
+from studies.loop.whole_fits import FEWEST_SAMPLES, drawn_out, neighbours, still_fits
 from studies.loop.windows import Window
 
 Array = NDArray[np.float64]
@@ -31,114 +30,11 @@ PREDICTABLE = 2.0
 NEIGHBOURS = 11
 """Starts about the swings' estimate from which whole records are fitted."""
 
-FEW_NEIGHBOURS = 5
-"""The same where a fit of whole records is only to be compared."""
-
 ENDED = 4
 """So many of these fits, the best, are ended."""
 
 SAME = 3.0
 """Minima closer than this many standard deviations are one."""
-
-NEARLY, MENDED = 2.0, 3.0
-"""A record that is lost in two fits still tells them apart where the smaller rms is so little over what counts as lost,
-and the larger one so many times that."""
-
-HORIZONS = (0.15, 0.4)
-"""Shares of whole records that are fitted before all of them, where a run takes long and few starts can be tried."""
-
-ROUGHLY = 0.5
-"""Share of what swings on a floor that gives leave beyond noise by which another fit of them may be worse."""
-
-FEWEST_SAMPLES = 20
-"""Of a part of a record that says something [1]."""
-
-
-def whole_fit(setup: Setup, trial: Trial, weights_of: Fit | None = None) -> Fit:
-    """The trial refitted on whole records, weighed by what base noise does; the leans alone if that is no better.
-
-    weights_of: a fit on whole records whose standard deviations are used; own ones if not given.
-    """
-    model = trial.swing.model
-    if weights_of is None:
-        windows = weighed_under(setup, model, setup.whole)
-    else:
-        windows = [replace(w, sd=o.sd) for w, o in zip(setup.whole, weights_of.windows, strict=True)]
-    leans = fit_records(setup.simulator, model, [], windows, iterations=4)
-    full = _drawn_out(setup, trial, leans) if trial.costly else _all_at_once(setup, trial, leans)
-    if full.chi2 >= leans.chi2 or not _still_fits(setup, trial, full.model):
-        return leans
-    return full
-
-
-def from_whole_records(setup: Setup, trial: Trial, whole: Fit) -> Trial:
-    """The trial, its swings fitted anew from where whole records led if that explains them better by far.
-
-    On a floor that gives they have minima close together, too, and were fitted from a few starts.
-    """
-    there = fit(setup.simulator, whole.model, [], trial.swing.windows, iterations=3)
-    if there.chi2 > trial.swing.chi2 - PAYS:
-        return trial
-    return replace(trial, swing=fit(setup.simulator, whole.model, trial.every, there.windows, iterations=12))
-
-
-def _all_at_once(setup: Setup, trial: Trial, leans: Fit) -> Fit:
-    """The trial fitted to whole records, from where their leans are fitted."""
-    return fit_records(setup.simulator, leans.model, trial.every, leans.windows, iterations=8, again=not trial.costly)
-
-
-def _drawn_out(setup: Setup, trial: Trial, leans: Fit) -> Fit:
-    """The same, the beginnings of the records first: what is wrong adds up, and further on minima lie close together.
-
-    Source, of the minima: Voss, Timmer & Kurths (2004), Int. J. Bifurcation Chaos 14, 1905-1933.
-    """
-    found, windows = leans, list(leans.windows)
-    for share in HORIZONS:
-        begun = [w.until(float(w.times[0] + share * (w.times[-1] - w.times[0]))) for w in windows]
-        kept = [i for i, w in enumerate(begun) if w.data.size >= FEWEST_SAMPLES]
-        if not kept:
-            continue
-        first = fit_records(setup.simulator, found.model, [], [begun[i] for i in kept], iterations=4)
-        found = _all_at_once(setup, trial, first)
-        for i, window in zip(kept, found.windows, strict=True):
-            windows[i] = windows[i].moved(window.theta, window.omega)
-    return _all_at_once(setup, trial, fit_records(setup.simulator, found.model, [], windows, iterations=4))
-
-
-def weighed_under(setup: Setup, model: LoopModel, windows: Sequence[Window]) -> list[Window]:
-    """Whole windows, in the order of those of the setup, weighed by what base noise does under a model.
-
-    What weighed them before is left aside, but for what the records themselves say of their noise.
-    """
-    plain = [replace(w, sd=o.sd) for w, o in zip(windows, setup.whole, strict=True)]
-    return weighed(plain, variances(setup.noisy, len(setup.campaign.tests), model, plain))
-
-
-def whole_fit_from_many(setup: Setup, trial: Trial, weights_of: Fit, effects: Collection[str] | None = None) -> Fit:
-    """The best of such fits that begin about the swings' estimate: one of them may end in a minimum of its own.
-
-    effects: those that are moved about; all if not given.
-    """
-    found = [whole_fit(setup, trial, weights_of)]
-    if trial.costly:
-        return found[0]
-    sure = sensor_covariance(setup.simulator, trial.swing)
-    moved = (p for p in trial.parts if p.in_swings and (effects is None or p.effect in effects))
-    for part in moved:
-        for model in neighbours(trial.swing, sure, part.parameters[0], FEW_NEIGHBOURS):
-            there = replace(trial, swing=replace(trial.swing, model=model))
-            found.append(whole_fit(setup, there, weights_of))
-    return min(found, key=lambda f: f.chi2)
-
-
-def _still_fits(setup: Setup, trial: Trial, model: LoopModel) -> bool:
-    """Whether parameters from whole records serve the swings too: else that fit is stuck elsewhere."""
-    there = fit(setup.simulator, model, [], trial.swing.windows, iterations=3)
-    least = 30.0 + 0.01 * trial.swing.chi2
-    if trial.costly:
-        # How a floor gave before a swing began is known but roughly: where that leaves something, it has little say.
-        least += ROUGHLY * max(trial.swing.chi2 - trial.swing.samples, 0.0)
-    return there.chi2 - trial.swing.chi2 < least
 
 
 @dataclass(frozen=True)
@@ -180,7 +76,7 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
         together = whole.model.changed(known)
         if between or _spoilt(setup, together, trial.swing.model, minima[0]):
             # Swings have many starts; a minimum of whole records that they refuse is one among many.
-            one = len(fits) - 1 if _still_fits(setup, trial, minima[0].model) else 0
+            one = len(fits) - 1 if still_fits(setup, trial, minima[0].model) else 0
             known |= fits[one].values
             joint = _in_its_place(names, joint, fits[one], covariances[one])
     model = whole.model.changed(known)
@@ -330,7 +226,7 @@ def _while_predictable(setup: Setup, trial: Trial, whole: Fit) -> list[Fit]:
     for model in (whole.model, trial.swing.model, *about):
         leans = fit_records(setup.simulator, model, [], windows, iterations=4)
         if trial.costly and model is trial.swing.model:
-            fits.append(_drawn_out(setup, trial, leans))
+            fits.append(drawn_out(setup, trial, leans))
             continue
         fits.append(fit(setup.simulator, model, trial.every, leans.windows, whole=True, iterations=4, central=True))
     fits.sort(key=lambda f: f.chi2)
@@ -339,24 +235,6 @@ def _while_predictable(setup: Setup, trial: Trial, whole: Fit) -> list[Fit]:
         for f in fits[:ended]
     ]  # fmt: skip
     return sorted([*best, *fits[ended:]], key=lambda f: f.chi2)
-
-
-def neighbours(found: Fit, covariance: Array, p: Parameter, count: int) -> list[LoopModel]:
-    """Models up to two standard deviations from a fit in one of its parameters: whole records are rugged."""
-    if p not in found.parameters:
-        return []
-    k = found.parameters.index(p)
-    value, sd = found.model.get(p.name), math.sqrt(max(float(covariance[k, k]), 0.0))
-    out: list[LoopModel] = []
-    for share in np.linspace(-2.0, 2.0, count if sd > 0.0 else 0):
-        moved = min(max(value + float(share) * sd, p.low), p.high)
-        try:
-            model = found.model.changed({p.name: moved})
-            model.system  # noqa: B018 - refuses what does not go together
-        except ValueError:
-            continue
-        out.append(model)
-    return out
 
 
 def _apart(minima: Sequence[Fit], by_sensor: Array, covariance: Array) -> Array:
@@ -376,39 +254,6 @@ def _apart(minima: Sequence[Fit], by_sensor: Array, covariance: Array) -> Array:
     weights = np.array([math.exp(-0.5 * (minima[k].chi2 - best.chi2) / together) for k in kept])
     away = np.array([values[k] - values[0] for k in kept])
     return np.asarray((away.T * weights) @ away / weights.sum(), dtype=np.float64)
-
-
-def reweighed(setup: Setup, other: Fit, found: Fit) -> Fit:
-    """A fit of whole records under the standard deviations of another one, as it is."""
-    windows = [replace(w, sd=o.sd) for w, o in zip(other.windows, found.windows, strict=True)]
-    return fit(setup.simulator, other.model, [], windows, whole=True, iterations=0)
-
-
-def gain(setup: Setup, without: Fit, found: Fit) -> float:
-    """Share by which a fit of whole records lowers the rms, what is far off counting little, of one without it [1]."""
-    with_it, without_it, _ = where_told(found, reweighed(setup, without, found))
-    return 1.0 - math.sqrt(with_it / without_it)
-
-
-def telling(one: Fit, other: Fit) -> NDArray[np.bool_]:
-    """Which records tell two fits of whole records apart, shape (record,).
-
-    How far off a block is after it went the other way, or fell in the last second, is chance: a record that is lost in
-    both fits is told by one of them only if that nearly explains it, and the other one does so by far less.
-    """
-    least, most = np.minimum(one.by_window, other.by_window), np.maximum(one.by_window, other.by_window)
-    return np.asarray((least < ROBUST) | ((least < NEARLY * ROBUST) & (most > MENDED * least)))
-
-
-def where_told(one: Fit, other: Fit) -> tuple[float, float, int]:
-    """Chi-square of two fits of whole records, and the samples, where records are `telling`; everywhere if none is."""
-    told = telling(one, other)
-    kept = np.flatnonzero(told) if told.any() else np.arange(told.size)
-    first, second = (
-        float(objectives(f.model, [f.residuals[i] for i in kept], [f.windows[i] for i in kept], ROBUST, True).sum())
-        for f in (one, other)
-    )
-    return first, second, sum(one.residuals[i].size for i in kept)
 
 
 def intervals(chosen: Trial, settled: Settled) -> dict[str, tuple[float, float, float]]:

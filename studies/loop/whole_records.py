@@ -22,8 +22,9 @@ from studies.loop.parameters import Parameter
 from studies.loop.preparing import Setup
 from studies.loop.rivals import TWIN, Rival
 from studies.loop.scoring import errors
-from studies.loop.settling import gain, neighbours, predictable, reweighed, weighed_under, where_told, whole_fit
+from studies.loop.settling import predictable
 from studies.loop.tracing import PAYS, Round, Trial, bic
+from studies.loop.whole_fits import gain, neighbours, reweighed, weighed_under, where_told, whole_fit
 
 LEAST_OF_A_SCAN = 0.15
 """Share by which an effect that whole records alone show has to lower their rms: their sums of squares are rugged."""

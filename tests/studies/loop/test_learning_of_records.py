@@ -14,8 +14,9 @@ from studies.loop.learning_of_records import forms, unseen
 from studies.loop.prediction import predict
 from studies.loop.preparing import as_declared, prepare
 from studies.loop.remaining import over_noise
-from studies.loop.settling import settle, whole_fit
+from studies.loop.settling import settle
 from studies.loop.tracing import Round, baseline
+from studies.loop.whole_fits import whole_fit
 
 from .stubs import trial, whole
 

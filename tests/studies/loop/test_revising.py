@@ -4,7 +4,7 @@ Campaigns are of the laboratory, which shares no code with the models; what was 
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
 from typing import Any
@@ -16,7 +16,7 @@ import pytest
 from studies.campaigns import Campaign, Channel, Conditions, DeclaredBlock, Test
 from studies.laboratory import event, table
 from studies.laboratory.parameters import G, World, uniform
-from studies.loop import closing, finding_file, revising, settling
+from studies.loop import closing, finding_file, revising
 from studies.loop import rivals as rivals_module
 from studies.loop.dataset import candidates
 from studies.loop.finding_file import as_json
@@ -25,8 +25,8 @@ from studies.loop.preparing import Setup, prepare
 from studies.loop.report import page
 from studies.loop.revising import Revision, revised, without_needless
 from studies.loop.rivals import Rival, near_all, twins
-from studies.loop.settling import whole_fit
 from studies.loop.tracing import Round, Trial, all_candidates, baseline, bic, search
+from studies.loop.whole_fits import whole_fit
 
 BREADTH, HEIGHT, MASS, E, NOISE, STEP = 0.2, 0.6, 30.0, 0.93, 1e-4, 0.004
 DECLARED = DeclaredBlock(BREADTH, HEIGHT, 0.25, MASS)
@@ -124,29 +124,6 @@ def test_whole_records_refuse_to_let_an_effect_go_from_no_start(
     stands = Revision(both, 5.0, ())  # type: ignore[arg-type]
     made = revising._dropped(SimpleNamespace(by_rotation=True), stands, [alone])  # type: ignore[arg-type]
     assert (made is not None and made.trial is alone) is goes
-
-
-def test_the_best_of_many_starts_is_taken_and_a_floor_has_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    @dataclass(frozen=True)
-    class Some:
-        swing: Any
-        parts: tuple[Any, ...]
-        costly: bool = False
-
-    @dataclass(frozen=True)
-    class Swing:
-        model: float
-
-    parts = tuple(SimpleNamespace(parameters=(size, "other"), in_swings=seen) for size, seen in ((2, True), (5, False)))
-    chi2 = {0: 4.0, 1: 3.0, 2: 1.0, 3: 2.0}
-    monkeypatch.setattr(settling, "whole_fit", lambda setup, t, w: SimpleNamespace(chi2=chi2[t.swing.model], weights=w))
-    monkeypatch.setattr(settling, "sensor_covariance", lambda simulator, fit: "covariance")
-    monkeypatch.setattr(settling, "neighbours", lambda fit, covariance, parameter, count: range(1, parameter + 2))
-    setup = SimpleNamespace(simulator=None)
-    best = settling.whole_fit_from_many(setup, Some(Swing(0), parts), "weights")  # type: ignore[arg-type]
-    assert (best.chi2, best.weights) == (1.0, "weights")  # type: ignore[attr-defined]
-    costly = settling.whole_fit_from_many(setup, Some(Swing(0), parts, True), "weights")  # type: ignore[arg-type]
-    assert costly.chi2 == 4.0
 
 
 @pytest.mark.parametrize(("again", "kept"), [(30.0, "given"), (10.0, "again")])

@@ -1,16 +1,15 @@
 """One round of the loop: what is put off, when it is tried after all, and which rivals are kept; all fits are stubs."""
 
 import math
-from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from studies.loop import remaining, rounds, settling, tracing, whole_records
+from studies.loop import remaining, rounds, tracing, whole_fits, whole_records
 from studies.loop.fitting import Fit
-from studies.loop.settling import gain, where_told
 from studies.loop.tracing import Round, search
+from studies.loop.whole_fits import gain, where_told
 from studies.loop.whole_records import explains_more
 
 from .stubs import FLOOR, PLAIN, TILT, rival, trial, whole
@@ -43,9 +42,9 @@ def plain_fits(monkeypatch):
     def again(_, model, *__, **___):
         return model
 
-    monkeypatch.setattr(settling, "fit", again)
+    monkeypatch.setattr(whole_fits, "fit", again)
     monkeypatch.setattr(whole_records, "fit", again)
-    for module in (settling, whole_records):
+    for module in (whole_fits, whole_records):
         monkeypatch.setattr(module, "replace", lambda window, **_: window)
 
 
@@ -108,7 +107,7 @@ def stubs(monkeypatch):
 
     for stub in (search, search_costly, asked):
         monkeypatch.setattr(rounds, stub.__name__, stub)
-    monkeypatch.setattr(rounds, "from_whole_records", lambda _, t, found: t)
+    monkeypatch.setattr(rounds, "in_agreement", lambda _, t, found: (t, found))
     monkeypatch.setattr(rounds, "whole_fit", lambda _, t: told.whole[t.names[-1]])
     monkeypatch.setattr(rounds, "gain", lambda _, without, found: 1.0 - found.rms / without.rms)
     monkeypatch.setattr(rounds, "reweighed", lambda _, other, found: other)
@@ -190,35 +189,11 @@ def test_a_round_that_is_known_leaves_floors_out_where_it_is_told_to(stubs):
         assert stubs.tried == tried
 
 
-@pytest.mark.parametrize(("there", "again"), [(439.0, True), (441.0, False)])
-def test_swings_on_a_floor_are_fitted_again_from_where_whole_records_led_if_they_prefer_it(monkeypatch, there, again):
-    """winkler_bed-68001: swings had ended at half the stiffness, and whole records beside the true one."""
-    fits = []
-
-    def fit(simulator, model, parameters, windows, iterations):
-        fits.append((model, tuple(parameters), windows))
-        return SimpleNamespace(chi2=there if not parameters else there - 5.0, windows=f"from {windows}", model=model)
-
-    @dataclass(frozen=True)
-    class Swings:
-        every: tuple
-        swing: object
-
-    monkeypatch.setattr(settling, "fit", fit)
-    first = SimpleNamespace(chi2=500.0, windows="the swings", model="soft")
-    trial, whole = Swings(("k",), first), SimpleNamespace(model="stiff")
-    found = settling.from_whole_records(SimpleNamespace(simulator=None), trial, whole)
-    assert (found is not trial) is again
-    assert fits[0] == ("stiff", (), "the swings")
-    assert fits[1:] == ([("stiff", ("k",), "from the swings")] if again else [])
-    assert found.swing.model == ("stiff" if again else "soft")
-
-
 def test_a_floor_is_taken_with_swings_and_whole_records_in_agreement(stubs, monkeypatch):
     other = trial("floor", 850.0, 0.97, costly=True)
-    seen, wholes = [], iter([whole(1.4, 1.4), whole(1.0, 1.0)])
-    monkeypatch.setattr(rounds, "whole_fit", lambda _, t: next(wholes))
-    monkeypatch.setattr(rounds, "from_whole_records", lambda _, t, found: seen.append((t, found.rms)) or other)
+    seen, agreed = [], whole(1.0, 1.0)
+    monkeypatch.setattr(rounds, "whole_fit", lambda _, t: whole(1.4, 1.4))
+    monkeypatch.setattr(rounds, "in_agreement", lambda _, t, found: seen.append((t, found.rms)) or (other, agreed))
     setup = SimpleNamespace(simulator=None, by_rotation=True)
     tried = Round(PLAIN, [FLOOR, TILT])
     found, _ = rounds._accepted(setup, PLAIN, whole(30.0, 40.0), tried, (), lambda text: None)

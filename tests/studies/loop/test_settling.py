@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from studies.campaigns import Channel, DeclaredBlock
+from studies.campaigns import Channel
 from studies.loop import settling
-from studies.loop.model import LoopModel
 from studies.loop.parameters import Parameter
 from studies.loop.remaining import missed
 from studies.loop.settling import (
@@ -22,7 +20,6 @@ from studies.loop.settling import (
     _joined,
     _spoilt,
     intervals,
-    neighbours,
     predictable,
 )
 from studies.loop.windows import Window
@@ -49,17 +46,6 @@ def test_a_record_without_base_noise_is_believed_whole_and_a_stump_is_left_out()
     assert predictable([window(0.0)])[0].times.size == 400
     assert predictable([window(60.0)]) == []
     assert predictable([window(0.0, FEWEST_SAMPLES - 1)]) == []
-
-
-def test_other_weights_leave_aside_those_before_and_keep_what_the_records_say(monkeypatch: pytest.MonkeyPatch) -> None:
-    """By hand, in units of the sensor's noise: 3 of the record itself, sqrt(8) of base noise, twice its variance."""
-    record = replace(window(0.0), sd=np.full(400, 3.0 * 2e-4))
-    fitted = replace(record, theta=0.2, sd=np.full(400, 70.0 * 2e-4))
-    setup: Any = SimpleNamespace(whole=[record], noisy=None, campaign=SimpleNamespace(tests=[None]))
-    monkeypatch.setattr(settling, "variances", lambda *_: [np.full(400, 8.0 * 2e-4**2)])
-    model: Any = None
-    [found] = settling.weighed_under(setup, model, [fitted])
-    assert found.theta == 0.2 and found.sd == pytest.approx(np.full(400, 5.0 * 2e-4), rel=1e-12)
 
 
 def estimate(values: dict[str, float]) -> Any:
@@ -110,17 +96,6 @@ def test_another_minimum_nearly_as_deep_widens_the_interval_to_reach_it() -> Non
     assert _apart([best, minimum(1.01, 900.0), minimum(1.5, 1900.0)], sensor, covariance)[0, 0] == pytest.approx(
         0.0, abs=1e-50
     )
-
-
-def test_neighbours_reach_two_standard_deviations_within_the_bounds() -> None:
-    block = DeclaredBlock(0.15, 0.5, 0.25, 11.25)
-    drag = Parameter("quadratic_drag.coefficient", 0.05, 0.0, 20.0)
-    found = SimpleNamespace(
-        parameters=(drag,), model=LoopModel(block, 0.9, {"quadratic_drag": {"coefficient": 0.3}}),
-    )  # fmt: skip
-    values = [model.get(drag.name) for model in neighbours(found, np.array([[0.04]]), drag, 11)]
-    np.testing.assert_allclose(values, np.maximum(0.3 + 0.2 * np.linspace(-2.0, 2.0, 11), 0.0), atol=1e-12)
-    assert neighbours(found, np.array([[0.04]]), Parameter("base_tilt.angle", 1e-3), 11) == []
 
 
 def test_one_lost_record_makes_no_campaign_unexplained() -> None:
@@ -196,7 +171,7 @@ def test_where_estimates_do_not_go_together_the_minimum_counts_that_swings_bear(
     monkeypatch.setattr(settling, "sensor_covariance", lambda *_: None)
     monkeypatch.setattr(settling, "robust_covariance", lambda _, __, f: covariances[id(f)])
     monkeypatch.setattr(settling, "_spoilt", lambda *_: not deep)
-    monkeypatch.setattr(settling, "_still_fits", bears)
+    monkeypatch.setattr(settling, "still_fits", bears)
     monkeypatch.setattr(settling, "fit_records", lambda simulator, model, *_, **__: SimpleNamespace(model=model))
     found = settling.settle(setup, trial, at(2.3))
     assert asked == [minimum.model] and found.names == ("c", "k")

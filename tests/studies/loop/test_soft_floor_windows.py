@@ -17,7 +17,7 @@ from excitation import RampedSinusoid
 from rocking import Block, Method1, solve
 from rocking.effects import load
 from studies.campaigns import Channel, DeclaredBlock, Test
-from studies.loop import settling
+from studies.loop import whole_fits
 from studies.loop.fitting import fit_records
 from studies.loop.model import LoopModel
 from studies.loop.observing import jobs_of
@@ -82,7 +82,7 @@ def test_a_fit_that_is_drawn_out_finds_its_way_past_minima_in_which_one_of_whole
     trial: Any = SimpleNamespace(every=(E,), costly=True)
     begun = LoopModel(DECLARED, 0.96 * e, {}, 9.81)
     leans = fit_records(setup.simulator, begun, [], whole_windows([record]), iterations=4)
-    at_once, drawn_out = settling._all_at_once(setup, trial, leans), settling._drawn_out(setup, trial, leans)
+    at_once, drawn_out = whole_fits.all_at_once(setup, trial, leans), whole_fits.drawn_out(setup, trial, leans)
     assert abs(at_once.model.restitution - e) > 0.005
     # Noise alone is left, as a fit of the truth would leave it.
     assert drawn_out.model.restitution == pytest.approx(e, abs=1e-4)

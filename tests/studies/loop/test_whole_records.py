@@ -19,8 +19,9 @@ from studies.loop.fitting import Fit, fit_records
 from studies.loop.model import LoopModel
 from studies.loop.preparing import as_declared, prepare
 from studies.loop.rivals import Rival
-from studies.loop.settling import gain, predictable, whole_fit
+from studies.loop.settling import predictable
 from studies.loop.tracing import Round, Trial, all_candidates, baseline, search
+from studies.loop.whole_fits import gain, whole_fit
 from studies.loop.whole_records import MISSED, _at_the_cost_of_others, _explains, _scanned, hinted, ranked, scan
 
 RIVALS = {"compliant_base", "sliding", "base_tilt", "viscous_damping", "base_motion_lag"}

@@ -1,0 +1,69 @@
+"""Floors that give: swings and whole records brought to one minimum.
+
+Their sums of squares have minima close together, in the stiffness along the floor above all: how far the tangential
+vibration of a corner has gone when it leaves the floor is the same again a little further on.  Runs take long, so that
+each is fitted from a few starts; where either led to what the other one prefers, that is fitted again.
+
+Status   planted floors (studies/loop_trials.py), and the order of fits with stubs (tests)
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from studies.loop.fitting import Fit, fit, fit_records
+from studies.loop.preparing import Setup
+from studies.loop.remaining import roughly_begun
+from studies.loop.tracing import PAYS, Trial
+from studies.loop.whole_fits import HORIZONS, all_at_once, beginnings, begun, still_fits, whole_fit
+
+APART = (0.4, 2.5)
+"""Times the stiffness along the floor from which other minima of whole records are looked for."""
+
+SAME = 0.2
+"""Minima whose stiffnesses along the floor are so near, by their logarithms, are one."""
+
+
+def in_agreement(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit]:
+    """The trial and its fit on whole records, both in the minimum that serves both best of those that were found."""
+    again = from_whole_records(setup, trial, whole)
+    if again is not trial:
+        trial, whole = again, whole_fit(setup, again)
+    return _elsewhere(setup, trial, whole) or (trial, whole)
+
+
+def from_whole_records(setup: Setup, trial: Trial, whole: Fit) -> Trial:
+    """The trial, its swings fitted anew from where whole records led if that explains them better by far.
+
+    On a floor that gives they have minima close together, too, and were fitted from a few starts.
+    """
+    there = fit(setup.simulator, whole.model, [], trial.swing.windows, iterations=3)
+    if there.chi2 > trial.swing.chi2 - PAYS:
+        return trial
+    return replace(trial, swing=fit(setup.simulator, whole.model, trial.every, there.windows, iterations=12))
+
+
+def _elsewhere(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit] | None:
+    """The same in another minimum of whole records, if they prefer that by far and swings do not refuse it."""
+    along = next((p for part in trial.parts for p in part.parameters if p.name == part.beside), None)
+    if along is None:
+        return None
+    value, tried = whole.model.get(along.name), []
+    for times in APART:
+        model = whole.model.changed({along.name: min(max(times * value, along.low), along.high)})
+        tried.append(begun(setup, trial, fit_records(setup.simulator, model, [], whole.windows, iterations=4)))
+    first, leans = min(tried, key=lambda pair: pair[0].chi2)
+    if abs(math.log(first.model.get(along.name) / value)) < SAME:
+        return None
+    parts = beginnings(whole.windows, HORIZONS[-1])
+    if fit_records(setup.simulator, whole.model, [], [*parts.values()], iterations=4).chi2 < first.chi2:
+        return None
+    found = all_at_once(setup, trial, leans)
+    if found.chi2 > whole.chi2 - PAYS * found.spread:
+        return None
+    if not (roughly_begun(setup, trial, found) or still_fits(setup, trial, found.model)):
+        return None
+    there = fit(setup.simulator, found.model, [], trial.swing.windows, iterations=3)
+    swing = fit(setup.simulator, found.model, trial.every, there.windows, iterations=12)
+    return replace(trial, swing=swing), found

@@ -1,0 +1,140 @@
+"""Swings and whole records on floors that give: fitted again where either led to what the other one prefers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from studies.loop import floors_that_give
+from studies.loop.parameters import Parameter
+
+ALONG = Parameter("floor.along", 0.5, 0.05, 100.0, log=True)
+STIFF = Parameter("floor.stiffness", 0.3, 1.0, 1e9, log=True)
+SETUP: Any = SimpleNamespace(simulator=None)
+
+
+@dataclass(frozen=True)
+class Floor:
+    """A model of one number."""
+
+    along: float
+
+    def get(self, name: str) -> float:
+        assert name == ALONG.name
+        return self.along
+
+    def changed(self, values: dict[str, float]) -> Floor:
+        return Floor(**{name.partition(".")[2]: value for name, value in values.items()})
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A floor that gives, its swings fitted."""
+
+    swing: Any
+    beside: str = ALONG.name
+
+    @property
+    def parts(self) -> tuple[Any, ...]:
+        return (SimpleNamespace(parameters=(STIFF, ALONG), beside=self.beside),)
+
+    @property
+    def every(self) -> tuple[Parameter, ...]:
+        return (STIFF, ALONG)
+
+
+def of(model: Any, chi2: float = 0.0, windows: Any = "windows") -> Any:
+    return SimpleNamespace(model=model, chi2=chi2, windows=windows, spread=1.0)
+
+
+@pytest.mark.parametrize(("there", "again"), [(439.0, True), (441.0, False)])
+def test_swings_are_fitted_again_from_where_whole_records_led_if_they_prefer_it(
+    monkeypatch: pytest.MonkeyPatch, there: float, again: bool
+) -> None:
+    """winkler_bed-68001: swings had ended at half the stiffness, and whole records beside the true one."""
+    fits = []
+
+    def fit(simulator: Any, model: Any, parameters: Any, windows: Any, iterations: int) -> Any:
+        fits.append((model, tuple(parameters), windows))
+        return of(model, there if not parameters else there - 5.0, f"from {windows}")
+
+    monkeypatch.setattr(floors_that_give, "fit", fit)
+    trial: Any = Trial(of("soft", 500.0, "the swings"))
+    found = floors_that_give.from_whole_records(SETUP, trial, of("stiff"))
+    assert (found is not trial) is again
+    assert fits[0] == ("stiff", (), "the swings")
+    assert fits[1:] == ([("stiff", trial.every, "from the swings")] if again else [])
+    assert found.swing.model == ("stiff" if again else "soft")
+
+
+class Records:
+    """Whole records with minima along the floor at 0.6 and 1.5: what fits of them find, and what was asked."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.ends = {0.24: (0.62, 3590.0), 1.5: (1.45, 3486.0)}  # of their beginnings, by start
+        self.own, self.full = 3595.0, 6590.0
+        self.close, self.still = False, True
+        self.asked: list[str] = []
+        for name in ("fit_records", "begun", "all_at_once", "still_fits", "fit"):
+            monkeypatch.setattr(floors_that_give, name, getattr(self, name))
+        monkeypatch.setattr(floors_that_give, "beginnings", lambda windows, share: {0: share})
+        monkeypatch.setattr(floors_that_give, "roughly_begun", lambda *_: self.close)
+
+    def fit_records(self, simulator: Any, model: Floor, parameters: Any, windows: Any, iterations: int) -> Any:
+        assert list(parameters) == []
+        return of(model, self.own)
+
+    def begun(self, setup: Any, trial: Any, leans: Any) -> tuple[Any, Any]:
+        end, chi2 = next(v for k, v in self.ends.items() if math.isclose(k, leans.model.along))
+        return of(Floor(end), chi2), of(Floor(end))
+
+    def all_at_once(self, setup: Any, trial: Any, leans: Any) -> Any:
+        self.asked.append("whole records")
+        return of(Floor(leans.model.along * 1.05), self.full)
+
+    def still_fits(self, setup: Any, trial: Any, model: Floor) -> bool:
+        self.asked.append("swings")
+        return self.still
+
+    def fit(self, simulator: Any, model: Floor, parameters: Any, windows: Any, iterations: int) -> Any:
+        return of(Floor(model.along * 1.01) if parameters else model, 50.0)
+
+    def tried(self, trial: Any = Trial(of(Floor(0.63)))) -> Any:  # noqa: B008 - it does not change
+        return floors_that_give._elsewhere(SETUP, trial, of(Floor(0.6), 9725.0))
+
+
+def test_another_stiffness_along_the_floor_that_whole_records_prefer_by_far_is_taken(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """winkler_bed-68001: 6590 at 1.57 against 9725 at 0.62, 45 more in the swings; the laboratory had 1.49."""
+    found, whole = Records(monkeypatch).tried()
+    assert whole.chi2 == 6590.0 and whole.model.along == pytest.approx(1.45 * 1.05)
+    assert found.swing.model.along == pytest.approx(1.45 * 1.05 * 1.01)
+
+
+def test_it_is_left_where_it_gains_little_or_swings_refuse_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    records = Records(monkeypatch)
+    records.full = 9725.0 - 59.0
+    assert records.tried() is None
+    records.full, records.still = 6590.0, False
+    assert records.tried() is None
+    # Whole records that are met closely hold the samples of the swings.
+    records.close = True
+    assert records.tried() is not None
+
+
+def test_whole_records_are_not_run_to_their_ends_where_their_beginnings_lead_back_or_speak_against_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    records = Records(monkeypatch)
+    records.ends[1.5] = (1.45, 3591.0)
+    assert records.tried() is None
+    records.ends[1.5], records.own = (1.45, 3486.0), 3480.0
+    assert records.tried() is None
+    assert records.asked == []
+    trial: Any = Trial(of(Floor(0.63)), beside="")
+    assert records.tried(trial) is None
