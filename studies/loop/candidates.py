@@ -41,7 +41,8 @@ class Candidate:
     scouts: tuple[str, ...] = ()  # parameters fitted from each start, the others from the best few alone; all if empty
     screened: int = 0  # so many starts are fitted, those that explain most as they are; all if 0
     after: str = ""  # a form that is tried before; where that promises nothing, this one is left out
-    beyond: tuple[str, float] | None = None  # parameter of another effect, and the value up to which that is the name
+    # A parameter of another effect, and the value of it up to which that is the name, by form of the effect.
+    beyond: tuple[str, Mapping[str, float]] | None = None
     beside: str = ""  # a parameter in which whole records have minima beside each other
     assumed: Mapping[str, float] = field(default_factory=dict)  # of those that stay: other values that may be as right
 
@@ -105,6 +106,9 @@ def _of_the_block(block: DeclaredBlock) -> tuple[Candidate, ...]:
 FLOORS = 5
 """Floors that give from which a fit begins: those that explain most of some swings as they are."""
 
+BOUNCES = 8
+"""The same of corners that bounce, of which more is tried."""
+
 GRIP, LESS_GRIP = 2.0, 1.0
 """Friction of corners on springs [1] where none is declared: more than shaking asks for, so that they slip only where
 they are about to leave; and less, of which intervals bear what it would change.  Swings hardly tell it."""
@@ -128,26 +132,29 @@ def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candi
     weight = block.mass * G_STANDARD
     moment = 0.5 * weight * block.breadth
     # Corners pressed in by 8e-3 to 4e-5 of the breadth under the weight, beyond which a floor is all but rigid and runs
-    # take longest, and all but held in place along the floor.  The sum of squares has minima in the stiffness less than
-    # a factor of two apart.
-    soft = [float(weight / (sink * block.breadth)) for sink in np.geomspace(8e-3, 4e-5, 15)]
+    # take longest, and all but held in place along the floor; a bed, whose pressure moves as the block turns, is felt
+    # when it is stiffer still.  The sum of squares has minima in the stiffness less than a factor of two apart.
+    soft, of_bed = (
+        [float(weight / (sink * block.breadth)) for sink in np.geomspace(8e-3, least, count)]
+        for least, count in ((4e-5, 15), (1e-5, 19))
+    )
     felt = block.mass / (1.0 + 0.25 * block.breadth**2 * block.mass / block.I_c)  # of the block at a corner
     hard = felt * (2.0 * math.pi * SOFTEST) ** 2
     floors = tuple(
         Candidate(
             label, "compliant_base",
             (
-                Parameter("compliant_base.corner_stiffness", 0.3, 1e-3 * soft[0], 10.0 * soft[-1], True, UNEVEN),
+                Parameter("compliant_base.corner_stiffness", 0.3, 1e-3 * starts[0], 10.0 * starts[-1], True, UNEVEN),
                 Parameter("compliant_base.damping_ratio", 0.3, 1e-3, 2.0, True, UNEVEN),
                 Parameter("compliant_base.tangential_ratio", 0.5, 0.05, 100.0, True, UNEVEN),
             ),
             tuple({"compliant_base.corner_stiffness": k, "compliant_base.damping_ratio": 0.12,
-                   "compliant_base.tangential_ratio": 1.0} for k in soft),
+                   "compliant_base.tangential_ratio": 1.0} for k in starts),
             {"compliant_base.spread": spread, "compliant_base.friction": grip}, smooth=False,
             replaces_restitution=True, costly=True, scouts=("compliant_base.damping_ratio",), screened=FLOORS,
             beside="compliant_base.tangential_ratio", assumed={"compliant_base.friction": other},
         )
-        for label, spread in (("compliant_base", 0.0), ("compliant_base[bed]", 1.0))
+        for label, spread, starts in (("compliant_base", 0.0, soft), ("compliant_base[bed]", 1.0, of_bed))
     )  # fmt: skip
     spring = weight * block.R
     tethers = tuple(
@@ -189,7 +196,8 @@ def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candi
             tuple({"bouncing.normal_restitution": e, "bouncing.contact_frequency": f, "bouncing.tangential_ratio": 1.0}
                   for f in (200.0, 350.0, 550.0) for e in (0.3, 0.45, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9)),
             {"bouncing.friction": grip}, smooth=False, replaces_restitution=True, costly=True,
-            scouts=("bouncing.normal_restitution",), beyond=("compliant_base.corner_stiffness", hard),
+            scouts=("bouncing.normal_restitution",), screened=BOUNCES,
+            beyond=("compliant_base.corner_stiffness", {"compliant_base": hard, "compliant_base[bed]": math.inf}),
             beside="bouncing.tangential_ratio", assumed={"bouncing.friction": other},
         ),
         Candidate(

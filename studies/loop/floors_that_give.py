@@ -49,16 +49,23 @@ def _elsewhere(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit] | No
     along = next((p for part in trial.parts for p in part.parameters if p.name == part.beside), None)
     if along is None:
         return None
-    value, tried = whole.model.get(along.name), []
+    value, apart = whole.model.get(along.name), []
     for times in APART:
         model = whole.model.changed({along.name: min(max(times * value, along.low), along.high)})
-        tried.append(begun(setup, trial, fit_records(setup.simulator, model, [], whole.windows, iterations=4)))
-    first, leans = min(tried, key=lambda pair: pair[0].chi2)
-    if abs(math.log(first.model.get(along.name) / value)) < SAME:
+        found, windows = replace(whole, model=model), list(whole.windows)
+        for share in HORIZONS:
+            found, windows = begun(setup, trial, replace(whole, model=found.model, windows=tuple(windows)), [share])
+            if abs(math.log(found.model.get(along.name) / value)) < SAME:
+                break
+        else:
+            apart.append((found, windows))
+    if not apart:
         return None
+    first, windows = min(apart, key=lambda pair: pair[0].chi2)
     parts = beginnings(whole.windows, HORIZONS[-1])
     if fit_records(setup.simulator, whole.model, [], [*parts.values()], iterations=4).chi2 < first.chi2:
         return None
+    leans = fit_records(setup.simulator, first.model, [], windows, iterations=4)
     found = all_at_once(setup, trial, leans)
     if found.chi2 > whole.chi2 - PAYS * found.spread:
         return None

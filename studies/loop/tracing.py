@@ -251,7 +251,12 @@ def search_costly(
     for c in candidates:
         if c.beyond is None:
             continue
-        known = next((t for t in found.trials[before:] if _on_this_side(t, *c.beyond) and explained(t)), None)
+        name, most = c.beyond
+        softer = (
+            t for t in found.trials[before:]
+            if (form := found.added(t).name) in most and t.swing.model.get(name) <= most[form]
+        )  # fmt: skip
+        known = next((t for t in softer if explained(t)), None)
         if known is None:
             further.append(c)
         else:
@@ -261,27 +266,22 @@ def search_costly(
 
 
 def floor_promises(simulator: Simulator, found: Round, tell: Callable[[str], None] = lambda text: None) -> bool:
-    """Whether a floor that gives may explain all by itself: the first of those that a round put off.
+    """Whether a floor that gives may explain all by itself, of those that a round put off: on corners, or a bed.
 
     It has to leave next to nothing of some swings after a few steps, and far less than all that the round tried.
     """
-    floor = next((c for c in found.put_off if c.beyond is None), None)
-    if floor is None:
-        return False
-    tell(f"{floor.name}, on some swings")
-    first = _on_some(simulator, found.onto, floor)
-    if isinstance(first, str):
-        return False
-    chosen = _chosen(found.onto, floor)
-    noise = sum(found.onto.swing.residuals[i].size - 2 for i in chosen)
-    left = _of_some(found.onto.swing, chosen) - first.gained
-    least = min(_of_some(t.swing, chosen) for t in (found.onto, *found.trials))
-    return left < min(NEXT_TO_NOTHING * noise, least - PAYS)
-
-
-def _on_this_side(trial: Trial, parameter: str, most: float) -> bool:
-    """Whether a trial has a parameter, at no more than so much."""
-    return any(p.name == parameter for p in trial.parameters) and trial.swing.model.get(parameter) <= most
+    for floor in (c for c in found.put_off if c.beyond is None):
+        tell(f"{floor.name}, on some swings")
+        first = _on_some(simulator, found.onto, floor)
+        if isinstance(first, str):
+            continue
+        chosen = _chosen(found.onto, floor)
+        noise = sum(found.onto.swing.residuals[i].size - 2 for i in chosen)
+        left = _of_some(found.onto.swing, chosen) - first.gained
+        least = min(_of_some(t.swing, chosen) for t in (found.onto, *found.trials))
+        if left < min(NEXT_TO_NOTHING * noise, least - PAYS):
+            return True
+    return False
 
 
 def _fitted(

@@ -97,7 +97,8 @@ def drawn_out(setup: Setup, trial: Trial, leans: Fit) -> Fit:
 
     Source, of the minima: Voss, Timmer & Kurths (2004), Int. J. Bifurcation Chaos 14, 1905-1933.
     """
-    return all_at_once(setup, trial, begun(setup, trial, leans)[1])
+    found, windows = begun(setup, trial, leans, HORIZONS)
+    return all_at_once(setup, trial, fit_records(setup.simulator, found.model, [], windows, iterations=4))
 
 
 def beginnings(windows: Sequence[Window], share: float) -> dict[int, Window]:
@@ -106,10 +107,13 @@ def beginnings(windows: Sequence[Window], share: float) -> dict[int, Window]:
     return {i: w for i, w in enumerate(parts) if w.data.size >= FEWEST_SAMPLES}
 
 
-def begun(setup: Setup, trial: Trial, leans: Fit) -> tuple[Fit, Fit]:
-    """The trial fitted to the beginnings of whole records, the longest last; and whole records as that leaves them."""
-    found, windows = leans, list(leans.windows)
-    for share in HORIZONS:
+def begun(setup: Setup, trial: Trial, start: Fit, shares: Sequence[float]) -> tuple[Fit, list[Window]]:
+    """The trial fitted to beginnings of whole records, one after the other; and these from the leans that it found.
+
+    start: whole records, from which it begins.
+    """
+    found, windows = start, list(start.windows)
+    for share in shares:
         parts = beginnings(windows, share)
         if not parts:
             continue
@@ -117,7 +121,7 @@ def begun(setup: Setup, trial: Trial, leans: Fit) -> tuple[Fit, Fit]:
         found = all_at_once(setup, trial, first)
         for i, window in zip(parts, found.windows, strict=True):
             windows[i] = windows[i].moved(window.theta, window.omega)
-    return found, fit_records(setup.simulator, found.model, [], windows, iterations=4)
+    return found, windows
 
 
 def still_fits(setup: Setup, trial: Trial, model: LoopModel) -> bool:

@@ -11,6 +11,7 @@ import pytest
 
 from studies.loop import floors_that_give
 from studies.loop.parameters import Parameter
+from studies.loop.whole_fits import HORIZONS
 
 ALONG = Parameter("floor.along", 0.5, 0.05, 100.0, log=True)
 STIFF = Parameter("floor.stiffness", 0.3, 1.0, 1e9, log=True)
@@ -47,8 +48,16 @@ class Trial:
         return (STIFF, ALONG)
 
 
-def of(model: Any, chi2: float = 0.0, windows: Any = "windows") -> Any:
-    return SimpleNamespace(model=model, chi2=chi2, windows=windows, spread=1.0)
+@dataclass(frozen=True)
+class Fitted:
+    model: Any
+    chi2: float
+    windows: Any
+    spread: float = 1.0
+
+
+def of(model: Any, chi2: float = 0.0, windows: Any = ("record",)) -> Any:
+    return Fitted(model, chi2, windows)
 
 
 @pytest.mark.parametrize(("there", "again"), [(439.0, True), (441.0, False)])
@@ -75,22 +84,25 @@ class Records:
     """Whole records with minima along the floor at 0.6 and 1.5: what fits of them find, and what was asked."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.ends = {0.24: (0.62, 3590.0), 1.5: (1.45, 3486.0)}  # of their beginnings, by start
+        # Of their beginnings, by start: the nearest alone, then further on.
+        self.ends = {0.24: (0.71, 1346.0), 1.5: (1.4, 1347.0), 1.4: (1.45, 3486.0)}
         self.own, self.full = 3595.0, 6590.0
         self.close, self.still = False, True
         self.asked: list[str] = []
+        self.begun_at: list[float] = []
         for name in ("fit_records", "begun", "all_at_once", "still_fits", "fit"):
             monkeypatch.setattr(floors_that_give, name, getattr(self, name))
         monkeypatch.setattr(floors_that_give, "beginnings", lambda windows, share: {0: share})
         monkeypatch.setattr(floors_that_give, "roughly_begun", lambda *_: self.close)
 
     def fit_records(self, simulator: Any, model: Floor, parameters: Any, windows: Any, iterations: int) -> Any:
-        assert list(parameters) == []
+        assert list(parameters) == [] and windows in ([HORIZONS[-1]], [f"record {HORIZONS[0]} {HORIZONS[1]}"])
         return of(model, self.own)
 
-    def begun(self, setup: Any, trial: Any, leans: Any) -> tuple[Any, Any]:
-        end, chi2 = next(v for k, v in self.ends.items() if math.isclose(k, leans.model.along))
-        return of(Floor(end), chi2), of(Floor(end))
+    def begun(self, setup: Any, trial: Any, start: Any, shares: Any) -> tuple[Any, Any]:
+        self.begun_at.append(start.model.along)
+        end, chi2 = next(v for k, v in self.ends.items() if math.isclose(k, start.model.along))
+        return of(Floor(end), chi2), [f"{w} {share}" for w in start.windows for share in shares]
 
     def all_at_once(self, setup: Any, trial: Any, leans: Any) -> Any:
         self.asked.append("whole records")
@@ -131,9 +143,10 @@ def test_whole_records_are_not_run_to_their_ends_where_their_beginnings_lead_bac
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     records = Records(monkeypatch)
-    records.ends[1.5] = (1.45, 3591.0)
+    records.own = 3480.0
     assert records.tried() is None
-    records.ends[1.5], records.own = (1.45, 3486.0), 3480.0
+    assert records.begun_at == [pytest.approx(0.24), pytest.approx(1.5), 1.4]  # the first led back at once
+    records.ends[1.4], records.own = (0.65, 3486.0), 3595.0
     assert records.tried() is None
     assert records.asked == []
     trial: Any = Trial(of(Floor(0.63)), beside="")

@@ -327,7 +327,8 @@ def test_a_corner_that_bounces_is_not_tried_where_a_softer_floor_leaves_nothing(
 
     monkeypatch.setattr(tracing, "_fitted", fit)
     found = Round(PLAIN, put_off=tuple(
-        SimpleNamespace(name=name, beyond=beyond) for name, beyond in (("floor", None), ("hard", ("floor.k", 5e6)))
+        SimpleNamespace(name=name, beyond=beyond)
+        for name, beyond in (("floor", None), ("hard", ("floor.k", {"floor": 5e6})))
     ))  # fmt: skip
     tracing.search_costly(None, found, explained=lambda t: t.swing.over < 1.03)
     assert fitted == tried
@@ -349,19 +350,22 @@ def test_a_floor_promises_to_explain_all_where_it_leaves_little_and_others_leave
 ):
     swing = SimpleNamespace(residuals=[np.zeros(252)] * 4, left=5000.0)
     onto = SimpleNamespace(swing=swing)
-    pool = (SimpleNamespace(name="hard", beyond=("k", 1.0)), floor := SimpleNamespace(name="floor", beyond=None))
+    hard = SimpleNamespace(name="hard", beyond=("k", {"floor": 1.0}))
+    pool = (hard, floor := SimpleNamespace(name="floor", beyond=None), bed := SimpleNamespace(name="bed", beyond=None))
     monkeypatch.setattr(tracing, "_chosen", lambda onto, candidate: [0, 1, 2, 3])
     monkeypatch.setattr(tracing, "_of_some", lambda swing, chosen: swing.left)
-    asked = []
+    asked, gains = [], {"floor": 5000.0 - left, "bed": 0.0}
 
     def first(_, __, candidate):
         asked.append(candidate)
-        return SimpleNamespace(gained=5000.0 - left)
+        return SimpleNamespace(gained=gains[candidate.name])
 
     monkeypatch.setattr(tracing, "_on_some", first)
     others = [SimpleNamespace(swing=SimpleNamespace(left=value)) for value in (other, 4000.0)]
     assert tracing.floor_promises(None, Round(onto, others, put_off=pool)) is promises
-    assert asked == [floor]
+    assert asked == ([floor] if promises else [floor, bed])
+    gains["floor"], gains["bed"] = 0.0, gains["floor"]
+    assert tracing.floor_promises(None, Round(onto, others, put_off=pool)) is promises
     assert not tracing.floor_promises(None, Round(onto, others, put_off=pool[:1]))
     monkeypatch.setattr(tracing, "_on_some", lambda *_: "no start led anywhere")
     assert not tracing.floor_promises(None, Round(onto, others, put_off=pool))
