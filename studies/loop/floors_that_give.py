@@ -13,10 +13,12 @@ import math
 from dataclasses import replace
 
 from studies.loop.fitting import Fit, fit, fit_records
+from studies.loop.parameters import Parameter
 from studies.loop.preparing import Setup
 from studies.loop.remaining import roughly_begun
 from studies.loop.tracing import PAYS, Trial
 from studies.loop.whole_fits import HORIZONS, all_at_once, beginnings, begun, still_fits, whole_fit
+from studies.loop.windows import Window
 
 APART = (0.4, 2.5)
 """Times the stiffness along the floor from which other minima of whole records are looked for."""
@@ -47,18 +49,7 @@ def from_whole_records(setup: Setup, trial: Trial, whole: Fit) -> Trial:
 def _elsewhere(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit] | None:
     """The same in another minimum of whole records, if they prefer that by far and swings do not refuse it."""
     along = next((p for part in trial.parts for p in part.parameters if p.name == part.beside), None)
-    if along is None:
-        return None
-    value, apart = whole.model.get(along.name), []
-    for times in APART:
-        model = whole.model.changed({along.name: min(max(times * value, along.low), along.high)})
-        found, windows = replace(whole, model=model), list(whole.windows)
-        for share in HORIZONS:
-            found, windows = begun(setup, trial, replace(whole, model=found.model, windows=tuple(windows)), [share])
-            if abs(math.log(found.model.get(along.name) / value)) < SAME:
-                break
-        else:
-            apart.append((found, windows))
+    apart = [] if along is None else _begun_apart(setup, trial, whole, along)
     if not apart:
         return None
     first, windows = min(apart, key=lambda pair: pair[0].chi2)
@@ -74,3 +65,21 @@ def _elsewhere(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit] | No
     there = fit(setup.simulator, found.model, [], trial.swing.windows, iterations=3)
     swing = fit(setup.simulator, found.model, trial.every, there.windows, iterations=12)
     return replace(trial, swing=swing), found
+
+
+def _begun_apart(setup: Setup, trial: Trial, whole: Fit, along: Parameter) -> list[tuple[Fit, list[Window]]]:
+    """Beginnings of whole records fitted from other stiffnesses along the floor, as `begun` gives them.
+
+    Those that lead back to where whole records are go no further.
+    """
+    value, apart = whole.model.get(along.name), []
+    for times in APART:
+        start = whole.model.changed({along.name: min(max(times * value, along.low), along.high)})
+        found, windows = replace(whole, model=start), list(whole.windows)
+        for share in HORIZONS:
+            found, windows = begun(setup, trial, replace(whole, model=found.model, windows=tuple(windows)), [share])
+            if abs(math.log(found.model.get(along.name) / value)) < SAME:
+                break
+        else:
+            apart.append((found, windows))
+    return apart
