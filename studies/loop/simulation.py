@@ -15,10 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from excitation import SampledMotion
+from rocking.composed import ComposedMethod1
 from rocking.composed_method2 import ComposedMethod2
-from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, TRANSLATION_JUMP, Base, Discrete
+from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, TRANSLATION_JUMP, Base, Discrete, System
 from rocking.hysteretic import HystereticBlock
 from rocking.inner_mass import BlockWithInnerMass
+from rocking.method1 import Method1
 from rocking.method2 import Method2
 from rocking.motion import BaseMotion, base_at, pitch_kernel
 from rocking.remembering import LONG_AGO, RememberingBlock
@@ -36,6 +38,12 @@ RTOL, ATOL = 1e-8, 1e-11
 
 MOST_EVENTS = 30_000
 """Of a run of a fit, after which it has failed: models that gain from their impacts rattle without end, for seconds."""
+
+MOST_TO_REST = 3_000
+"""Impacts of a block that neither slides nor jumps, from any speed to rest where it keeps up to 0.995 of it in each."""
+
+SMALLEST = 1e-4
+"""And those besides of a run of a fit: of one that all the time rocks through so small a share of its slenderness."""
 
 HISTORY = 6
 """Peaks before a window over which slip is carried: it is forgotten once the corner sticks."""
@@ -139,7 +147,7 @@ class Simulator:
         numbers: of the tests, as they were done; their indices if not given.
         keeper: keeps what was found with it (`studies.loop.fitting.fit`); nothing is kept if not given.
         factors: how many samples of each base record are one in runs (`studies.loop.thinning`); 1 if not given.
-        most_events: after which a run has failed.
+        most_events: after which a run has failed; what a run of a fit may have if not given.
     """
 
     def __init__(
@@ -148,7 +156,7 @@ class Simulator:
         numbers: Sequence[int] | None = None,
         keeper: Keeper | None = None,
         factors: Sequence[int] | None = None,
-        most_events: int = MOST_EVENTS,
+        most_events: int | None = None,
     ) -> None:
         self.tests, self.keeper, self.most_events = tuple(tests), keeper, most_events
         self.numbers = tuple(range(len(self.tests))) if numbers is None else tuple(numbers)
@@ -314,9 +322,10 @@ class Simulator:
             y, q = systems[job.model].initial_state(job.theta, job.omega, **carried[i])
             starts.append(Start(places[job.model], place, job.start, float(job.times[-1]), y, q))
         first = systems[own_systems[0]]
+        most = self.most_events or most_events(first, max(start.t_end - start.t_start for start in starts))
         found = run_windows(
             [systems[m] for m in own_systems], [m for _, m in own_motions.values()], starts,
-            [jobs[i].times for i in members], rtol=RTOL, atol=ATOL, max_events=self.most_events,
+            [jobs[i].times for i in members], rtol=RTOL, atol=ATOL, max_events=most,
         )  # fmt: skip
         column = first.state_names.index("theta")
         answers, at = [], 0
@@ -330,6 +339,18 @@ class Simulator:
             when = jobs[i].start if fell and math.isnan(when) else when
             answers.append(Answer(theta, y, found.mode[part], found.s[part], fell, bool(found.failed[k]), when))
         return answers
+
+
+def most_events(system: System, seconds: float) -> int:
+    """After which a run of a fit has failed.
+
+    A block that rocks through r times its slenderness has an impact each 2 sqrt(2 r) / p.
+    """
+    method = system.method if isinstance(system, ComposedMethod1) else system
+    if not isinstance(method, Method1):
+        return MOST_EVENTS
+    p = method.block.p(method.g)
+    return min(MOST_EVENTS, MOST_TO_REST + math.ceil(p * seconds / (2.0 * math.sqrt(2.0 * SMALLEST))))
 
 
 def _not_forgotten(system: BlockOnSoftFloor, history: tuple[Peak, ...], start: float) -> tuple[Peak, ...]:
