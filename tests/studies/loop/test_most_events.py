@@ -38,7 +38,7 @@ def test_a_block_that_slides_or_jumps_may_have_as_many_as_ever() -> None:
 
 
 def test_a_model_that_loses_nothing_in_slow_impacts_fails() -> None:
-    """By hand: with e = 1 - c omega the number of impacts grows as exp(c p^2 t / 2): exp(4.5 t) here.
+    """By hand: with e = 1 - c omega the number of impacts grows as exp(c p^2 t / 2): exp(4.5 t) here."""
     t = np.arange(2500) * 0.004
     channels = (Channel("rotation", "rotation", 1e-4),)
     tests = [Test("free", "free", t, channels, {"rotation": np.zeros(t.size)}, initial_rotation=0.05)]
