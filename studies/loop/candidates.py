@@ -43,7 +43,7 @@ class Candidate:
     after: str = ""  # a form that is tried before; where that promises nothing, this one is left out
     # A parameter of another effect, and the value of it up to which that is the name, by form of the effect.
     beyond: tuple[str, Mapping[str, float]] | None = None
-    beside: str = ""  # a parameter in which whole records have minima beside each other
+    minima_in: str = ""  # a parameter in which whole records have minima beside each other
     assumed: Mapping[str, float] = field(default_factory=dict)  # of those that stay: other values that may be as right
 
     def nothing(self, block: DeclaredBlock) -> dict[str, float]:
@@ -152,7 +152,7 @@ def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candi
                    "compliant_base.tangential_ratio": 1.0} for k in starts),
             {"compliant_base.spread": spread, "compliant_base.friction": grip}, smooth=False,
             replaces_restitution=True, costly=True, scouts=("compliant_base.damping_ratio",), screened=FLOORS,
-            beside="compliant_base.tangential_ratio", assumed={"compliant_base.friction": other},
+            minima_in="compliant_base.tangential_ratio", assumed={"compliant_base.friction": other},
         )
         for label, spread, starts in (("compliant_base", 0.0, soft), ("compliant_base[bed]", 1.0, of_bed))
     )  # fmt: skip
@@ -198,7 +198,7 @@ def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candi
             {"bouncing.friction": grip}, smooth=False, replaces_restitution=True, costly=True,
             scouts=("bouncing.normal_restitution",), screened=BOUNCES,
             beyond=("compliant_base.corner_stiffness", {"compliant_base": hard, "compliant_base[bed]": math.inf}),
-            beside="bouncing.tangential_ratio", assumed={"bouncing.friction": other},
+            minima_in="bouncing.tangential_ratio", assumed={"bouncing.friction": other},
         ),
         Candidate(
             "base_adhesion", "base_adhesion", (Parameter("base_adhesion.moment", 0.02 * moment, 0.0, 2.0 * moment),),

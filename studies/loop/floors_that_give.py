@@ -1,8 +1,8 @@
 """Floors that give: swings and whole records brought to one minimum.
 
-Their sums of squares have minima close together, in the stiffness along the floor above all: how far the tangential
-vibration of a corner has gone when it leaves the floor is the same again a little further on.  Runs take long, so that
-each is fitted from a few starts; where either led to what the other one prefers, that is fitted again.
+Their sums of squares have minima close together, those of whole records in the stiffness along the floor above all.
+Runs take long, so that each is fitted from a few starts; where either led to what the other one prefers, that is fitted
+again.
 
 Status   planted floors (studies/loop_trials.py), and the order of fits with stubs (tests)
 """
@@ -15,9 +15,8 @@ from dataclasses import replace
 from studies.loop.fitting import Fit, fit, fit_records
 from studies.loop.parameters import Parameter
 from studies.loop.preparing import Setup
-from studies.loop.remaining import roughly_begun
 from studies.loop.tracing import PAYS, Trial
-from studies.loop.whole_fits import HORIZONS, all_at_once, beginnings, begun, still_fits, whole_fit
+from studies.loop.whole_fits import HORIZONS, all_at_once, beginnings, begun, borne, whole_fit
 from studies.loop.windows import Window
 
 APART = (0.4, 2.5)
@@ -48,7 +47,7 @@ def from_whole_records(setup: Setup, trial: Trial, whole: Fit) -> Trial:
 
 def _elsewhere(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit] | None:
     """The same in another minimum of whole records, if they prefer that by far and swings do not refuse it."""
-    along = next((p for part in trial.parts for p in part.parameters if p.name == part.beside), None)
+    along = next((p for part in trial.parts for p in part.parameters if p.name == part.minima_in), None)
     apart = [] if along is None else _begun_apart(setup, trial, whole, along)
     if not apart:
         return None
@@ -58,9 +57,7 @@ def _elsewhere(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit] | No
         return None
     leans = fit_records(setup.simulator, first.model, [], windows, iterations=4)
     found = all_at_once(setup, trial, leans)
-    if found.chi2 > whole.chi2 - PAYS * found.spread:
-        return None
-    if not (roughly_begun(setup, trial, found) or still_fits(setup, trial, found.model)):
+    if found.chi2 > whole.chi2 - PAYS * found.spread or not borne(setup, trial, found):
         return None
     there = fit(setup.simulator, found.model, [], trial.swing.windows, iterations=3)
     swing = fit(setup.simulator, found.model, trial.every, there.windows, iterations=12)

@@ -37,13 +37,18 @@ Array = NDArray[np.float64]
 RTOL, ATOL = 1e-8, 1e-11
 
 MOST_EVENTS = 30_000
-"""Of a run of a fit, after which it has failed: models that gain from their impacts rattle without end, for seconds."""
+"""Of a run of a fit, after which it has failed: models that gain from their impacts rattle without end, for seconds.
 
-MOST_TO_REST = 3_000
-"""Impacts of a block that neither slides nor jumps, from any speed to rest where it keeps up to 0.995 of it in each."""
+A block that is shaken by hardly more than its onset comes to rest and tips again with each turn of the base, within
+hundreds of impacts each time."""
 
-SMALLEST = 1e-4
-"""And those besides of a run of a fit: of one that all the time rocks through so small a share of its slenderness."""
+KEEPS_ALL = 0.999
+"""Restitution from which a block that neither slides nor jumps is said to rattle and not to come to rest: Housner's
+where b/h is 0.026, more slender than what stands freely."""
+
+FEWEST_EVENTS, SMALLEST = 3_000, 1e-4
+"""A run of one that rattles has failed after so many impacts and, besides, those of a block that all the time rocks
+through so small a share of its slenderness."""
 
 HISTORY = 6
 """Peaks before a window over which slip is carried: it is forgotten once the corner sticks."""
@@ -321,8 +326,10 @@ class Simulator:
             place = own_motions.setdefault(id(motions[i]), (len(own_motions), motions[i]))[0]
             y, q = systems[job.model].initial_state(job.theta, job.omega, **carried[i])
             starts.append(Start(places[job.model], place, job.start, float(job.times[-1]), y, q))
-        first = systems[own_systems[0]]
-        most = self.most_events or most_events(first, max(start.t_end - start.t_start for start in starts))
+        first, most = systems[own_systems[0]], self.most_events
+        if most is None:
+            longest = max(start.t_end - start.t_start for start in starts)
+            most = max(most_events(systems[m], longest) for m in own_systems)
         found = run_windows(
             [systems[m] for m in own_systems], [m for _, m in own_motions.values()], starts,
             [jobs[i].times for i in members], rtol=RTOL, atol=ATOL, max_events=most,
@@ -342,15 +349,15 @@ class Simulator:
 
 
 def most_events(system: System, seconds: float) -> int:
-    """After which a run of a fit has failed.
+    """Events after which a run of a fit has failed.
 
     A block that rocks through r times its slenderness has an impact each 2 sqrt(2 r) / p.
     """
     method = system.method if isinstance(system, ComposedMethod1) else system
-    if not isinstance(method, Method1):
+    if not isinstance(method, Method1) or method.e < KEEPS_ALL:
         return MOST_EVENTS
     p = method.block.p(method.g)
-    return min(MOST_EVENTS, MOST_TO_REST + math.ceil(p * seconds / (2.0 * math.sqrt(2.0 * SMALLEST))))
+    return min(MOST_EVENTS, FEWEST_EVENTS + math.ceil(p * seconds / (2.0 * math.sqrt(2.0 * SMALLEST))))
 
 
 def _not_forgotten(system: BlockOnSoftFloor, history: tuple[Peak, ...], start: float) -> tuple[Peak, ...]:

@@ -135,6 +135,7 @@ class Round:
     scores: dict[str, float] = field(default_factory=dict)  # by form of the effect
     put_off: tuple[Candidate, ...] = ()  # of those skipped the ones that `search_costly` tries
     refused: tuple[Trial, ...] = ()  # what swings would have taken and whole records speak against
+    begun: dict[str, _First] = field(default_factory=dict)  # by form: floors that were asked what they promise
 
     @property
     def tried(self) -> list[tuple[Trial, bool]]:
@@ -275,6 +276,7 @@ def floor_promises(simulator: Simulator, found: Round, tell: Callable[[str], Non
         first = _on_some(simulator, found.onto, floor)
         if isinstance(first, str):
             continue
+        found.begun[floor.name] = first
         chosen = _chosen(found.onto, floor)
         noise = sum(found.onto.swing.residuals[i].size - 2 for i in chosen)
         left = _of_some(found.onto.swing, chosen) - first.gained
@@ -296,7 +298,7 @@ def _fitted(
             found.skipped[candidate.name] = found.skipped.get(candidate.after, f"{candidate.after} promises nothing")
             continue
         tell(candidate.name)
-        first = _on_some(simulator, onto, candidate)
+        first = found.begun.get(candidate.name) or _on_some(simulator, onto, candidate)
         if isinstance(first, str):
             found.skipped[candidate.name] = first
         else:

@@ -56,9 +56,7 @@ def whole_fit(setup: Setup, trial: Trial, weights_of: Fit | None = None) -> Fit:
         windows = [replace(w, sd=o.sd) for w, o in zip(setup.whole, weights_of.windows, strict=True)]
     leans = fit_records(setup.simulator, model, [], windows, iterations=4)
     full = drawn_out(setup, trial, leans) if trial.costly else all_at_once(setup, trial, leans)
-    if full.chi2 >= leans.chi2 or not (roughly_begun(setup, trial, full) or still_fits(setup, trial, full.model)):
-        return leans
-    return full
+    return full if full.chi2 < leans.chi2 and borne(setup, trial, full) else leans
 
 
 def whole_fit_from_many(setup: Setup, trial: Trial, weights_of: Fit, effects: Collection[str] | None = None) -> Fit:
@@ -122,6 +120,11 @@ def begun(setup: Setup, trial: Trial, start: Fit, shares: Sequence[float]) -> tu
         for i, window in zip(parts, found.windows, strict=True):
             windows[i] = windows[i].moved(window.theta, window.omega)
     return found, windows
+
+
+def borne(setup: Setup, trial: Trial, found: Fit) -> bool:
+    """Whether swings bear what a fit of whole records found; met closely by a floor that gives, these hold the same."""
+    return roughly_begun(setup, trial, found) or still_fits(setup, trial, found.model)
 
 
 def still_fits(setup: Setup, trial: Trial, model: LoopModel) -> bool:

@@ -44,11 +44,11 @@ class Trial:
     """A floor that gives, its swings fitted."""
 
     swing: Any
-    beside: str = ALONG.name
+    minima_in: str = ALONG.name
 
     @property
     def parts(self) -> tuple[Any, ...]:
-        return (SimpleNamespace(parameters=(STIFF, ALONG), beside=self.beside),)
+        return (SimpleNamespace(parameters=(STIFF, ALONG), minima_in=self.minima_in),)
 
     @property
     def every(self) -> tuple[Parameter, ...]:
@@ -94,13 +94,12 @@ class Records:
         # Of their beginnings, by start: the nearest alone, then further on.
         self.ends = {0.24: (0.71, 1346.0), 1.5: (1.4, 1347.0), 1.4: (1.45, 3486.0)}
         self.own, self.full = 3595.0, 6590.0
-        self.close, self.still = False, True
+        self.bear = True
         self.asked: list[str] = []
         self.begun_at: list[float] = []
-        for name in ("fit_records", "begun", "all_at_once", "still_fits", "fit"):
+        for name in ("fit_records", "begun", "all_at_once", "borne", "fit"):
             monkeypatch.setattr(floors_that_give, name, getattr(self, name))
         monkeypatch.setattr(floors_that_give, "beginnings", lambda windows, share: {0: share})
-        monkeypatch.setattr(floors_that_give, "roughly_begun", lambda *_: self.close)
 
     def fit_records(self, simulator: Any, model: Floor, parameters: Any, windows: Any, iterations: int) -> Any:
         assert list(parameters) == [] and windows in ([HORIZONS[-1]], [f"record {HORIZONS[0]} {HORIZONS[1]}"])
@@ -115,9 +114,9 @@ class Records:
         self.asked.append("whole records")
         return of(Floor(leans.model.along * 1.05), self.full)
 
-    def still_fits(self, setup: Any, trial: Any, model: Floor) -> bool:
+    def borne(self, setup: Any, trial: Any, found: Any) -> bool:
         self.asked.append("swings")
-        return self.still
+        return self.bear
 
     def fit(self, simulator: Any, model: Floor, parameters: Any, windows: Any, iterations: int) -> Any:
         return of(Floor(model.along * 1.01) if parameters else model, 50.0)
@@ -139,11 +138,8 @@ def test_it_is_left_where_it_gains_little_or_swings_refuse_it(monkeypatch: pytes
     records = Records(monkeypatch)
     records.full = 9725.0 - 59.0
     assert records.tried() is None
-    records.full, records.still = 6590.0, False
+    records.full, records.bear = 6590.0, False
     assert records.tried() is None
-    # Whole records that are met closely hold the samples of the swings.
-    records.close = True
-    assert records.tried() is not None
 
 
 def test_whole_records_are_not_run_to_their_ends_where_their_beginnings_lead_back_or_speak_against_it(
@@ -156,7 +152,7 @@ def test_whole_records_are_not_run_to_their_ends_where_their_beginnings_lead_bac
     records.ends[1.4], records.own = (0.65, 3486.0), 3595.0
     assert records.tried() is None
     assert records.asked == []
-    trial: Any = Trial(of(Floor(0.63)), beside="")
+    trial: Any = Trial(of(Floor(0.63)), minima_in="")
     assert records.tried(trial) is None
 
 

@@ -364,11 +364,27 @@ def test_a_floor_promises_to_explain_all_where_it_leaves_little_and_others_leave
     others = [SimpleNamespace(swing=SimpleNamespace(left=value)) for value in (other, 4000.0)]
     assert tracing.floor_promises(None, Round(onto, others, put_off=pool)) is promises
     assert asked == ([floor] if promises else [floor, bed])
+    noted = Round(onto, others, put_off=pool)
+    tracing.floor_promises(None, noted)
+    assert noted.begun["floor"].gained == 5000.0 - left
     gains["floor"], gains["bed"] = 0.0, gains["floor"]
     assert tracing.floor_promises(None, Round(onto, others, put_off=pool)) is promises
     assert not tracing.floor_promises(None, Round(onto, others, put_off=pool[:1]))
     monkeypatch.setattr(tracing, "_on_some", lambda *_: "no start led anywhere")
     assert not tracing.floor_promises(None, Round(onto, others, put_off=pool))
+
+
+def test_what_a_floor_was_asked_for_its_promise_is_not_asked_again(monkeypatch):
+    floor, other = (SimpleNamespace(name=name, after="", costly=True, slips=False) for name in ("floor", "other"))
+    asked, went_on = [], []
+    known, new = SimpleNamespace(gained=900.0), SimpleNamespace(gained=800.0)
+    monkeypatch.setattr(tracing, "_on_some", lambda s, onto, c: asked.append(c.name) or new)
+    monkeypatch.setattr(tracing, "_on_all", lambda s, onto, c, first: went_on.append((c.name, first)))
+    monkeypatch.setattr(tracing, "_ended", lambda *_: [])
+    monkeypatch.setattr(tracing, "_of_some", lambda *_: 1000.0)
+    onto = SimpleNamespace(costly=False, swing=SimpleNamespace(windows=range(40)))
+    tracing._fitted(None, [floor, other], Round(onto, begun={"floor": known}), lambda text: None)
+    assert asked == ["other"] and went_on == [("floor", known), ("other", new)]
 
 
 @pytest.mark.parametrize(("costs", "kept"), [(True, ["tilt", "floor"]), (False, ["tilt", "floor", "hard"])])
