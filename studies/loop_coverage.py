@@ -23,10 +23,10 @@ from tqdm import tqdm
 from studies.campaigns import read
 from studies.laboratory.effects import NAMED, SPOKEN
 from studies.laboratory.parameters import G
-from studies.loop.preparing import as_declared, prepare
-from studies.loop.settling import intervals, settle
-from studies.loop.tracing import all_candidates, baseline, search
-from studies.loop.whole_fits import whole_fit
+from studies.loop.records.preparing import as_declared, prepare
+from studies.loop.swings.tracing import all_candidates, baseline, search
+from studies.loop.whole.settling import intervals, settle
+from studies.loop.whole.whole_fits import whole_fit
 from studies.loop_trials import Case, made
 from studies.running.command_line import run
 from studies.running.files import save_text, writable_folder, write_whole

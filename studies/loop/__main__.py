@@ -23,13 +23,13 @@ from studies.campaigns import Campaign, CampaignError, read
 from studies.loop.closing import STANDARD_GRAVITY, close
 from studies.loop.dataset import dataset, save
 from studies.loop.finding_file import as_json, write_finding
-from studies.loop.keeping import Keeper
-from studies.loop.model_file import ModelError, read_model, write_model
+from studies.loop.models.model_file import ModelError, read_model, write_model
 from studies.loop.outcomes.command import close_outcomes
 from studies.loop.outcomes.prediction import read_noise, write_outcome_predictions
 from studies.loop.prediction import write_predictions
 from studies.loop.proposing import next_test
 from studies.loop.report.page import write_report
+from studies.loop.runs.keeping import Keeper
 from studies.running.command_line import said_of
 from studies.running.files import BadInputError, writable_folder
 from studies.running.lock import alone

@@ -13,15 +13,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies.campaigns import Campaign
-from studies.loop.fitting import Fit
-from studies.loop.keeping import Keeper
+from studies.loop.fits.fitting import Fit
 from studies.loop.learned_curves import Curve, curves
-from studies.loop.learning import FREEDOMS, LEARNED, LOSS, alike, learn, memories, profiles, unnamed
-from studies.loop.learning_of_records import unseen
-from studies.loop.model import LoopModel
-from studies.loop.names import readable
-from studies.loop.preparing import Setup, as_declared, prepare
-from studies.loop.remaining import (
+from studies.loop.models.model import LoopModel
+from studies.loop.models.names import readable
+from studies.loop.observed.spread import DRAWS, floor, variances
+from studies.loop.observed.windows import scored_window
+from studies.loop.records.preparing import Setup, as_declared, prepare
+from studies.loop.records.scoring import Errors, errors, leaning, median
+from studies.loop.runs.keeping import Keeper
+from studies.loop.search.learning_of_records import unseen
+from studies.loop.search.revising import Revision, revised, taken_out, without_needless
+from studies.loop.search.rounds import Path
+from studies.loop.search.searching import traced
+from studies.loop.swings.learning import FREEDOMS, LEARNED, LOSS, alike, learn, memories, profiles, unnamed
+from studies.loop.swings.tracing import (
+    PAYS,
+    Round,
+    Trial,
+    baseline,
+    bic,
+    search,
+)
+from studies.loop.whole.remaining import (
     CLOSELY,
     MISSED_BY_FAR,
     by_chance,
@@ -33,24 +47,10 @@ from studies.loop.remaining import (
     structure,
     unexplained,
 )
-from studies.loop.revising import Revision, revised, taken_out, without_needless
-from studies.loop.rivals import Rival, near_all, other_forms, standing, twins, twins_from_many
-from studies.loop.rounds import Path
-from studies.loop.scoring import Errors, errors, leaning, median
-from studies.loop.searching import traced
-from studies.loop.settling import Settled, intervals, settle
-from studies.loop.spread import DRAWS, floor, variances
-from studies.loop.tracing import (
-    PAYS,
-    Round,
-    Trial,
-    baseline,
-    bic,
-    search,
-)
-from studies.loop.whole_fits import whole_fit, whole_fit_from_many
-from studies.loop.whole_records import MISSED, explains_more, hinted
-from studies.loop.windows import scored_window
+from studies.loop.whole.rivals import Rival, near_all, other_forms, standing, twins, twins_from_many
+from studies.loop.whole.settling import Settled, intervals, settle
+from studies.loop.whole.whole_fits import whole_fit, whole_fit_from_many
+from studies.loop.whole.whole_records import MISSED, explains_more, hinted
 
 Array = NDArray[np.float64]
 Tell = Callable[[str], None]

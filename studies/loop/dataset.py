@@ -22,12 +22,12 @@ from numpy.typing import NDArray
 from studies.campaigns import Test
 from studies.loop.closing import Finding
 from studies.loop.dataset_residuals import by_impact, by_stretch, of_onset
-from studies.loop.instruments import accelerations
-from studies.loop.model import LoopModel
-from studies.loop.names import parameter_units
-from studies.loop.scoring import leaning
-from studies.loop.simulation import Answer, Job
-from studies.loop.windows import Record
+from studies.loop.models.model import LoopModel
+from studies.loop.models.names import parameter_units
+from studies.loop.observed.instruments import accelerations
+from studies.loop.observed.windows import Record
+from studies.loop.records.scoring import leaning
+from studies.loop.runs.simulation import Answer, Job
 from studies.running.files import provenance, write_whole
 
 Array = NDArray[np.float64]

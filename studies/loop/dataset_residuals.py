@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from studies.loop.closing import Finding
-from studies.loop.model import LoopModel
-from studies.loop.residual_impacts import at_rest, impacts, modelled_restitution, onset, onset_level
-from studies.loop.residual_torque import path, residual_torque, stretches
-from studies.loop.simulation import Answer
-from studies.loop.windows import Record
+from studies.loop.models.model import LoopModel
+from studies.loop.observed.residual_impacts import at_rest, impacts, modelled_restitution, onset, onset_level
+from studies.loop.observed.residual_torque import path, residual_torque, stretches
+from studies.loop.observed.windows import Record
+from studies.loop.runs.simulation import Answer
 
 Variables = dict[str, Any]
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from rocking.effects import load
 from studies.loop.closing import Finding
-from studies.loop.model import MOUNTING
+from studies.loop.models.model import MOUNTING
 from studies.running.files import save_text
 
 REFUSED = "whole records speak against it"

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from rocking.effects.learned_curve import EVEN, ODD, curve, numbers
 from rocking.effects.learned_damping import DAMPING
 from studies.loop.learned_in_time import answer, by_parameters, loop, ringing, there_and_back
-from studies.loop.learning import CURVE, HYSTERESIS, LOSS, MEMORY, MODE, READING, TERM
-from studies.loop.model import DRIFT, LoopModel
-from studies.loop.preparing import Setup
-from studies.loop.settling import Settled
+from studies.loop.models.model import DRIFT, LoopModel
+from studies.loop.records.preparing import Setup
+from studies.loop.swings.learning import CURVE, HYSTERESIS, LOSS, MEMORY, MODE, READING, TERM
+from studies.loop.whole.settling import Settled
 
 Array = NDArray[np.float64]
 

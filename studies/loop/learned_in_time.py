@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from rocking.hybrid import REST, Base, Discrete
 from rocking.hysteretic import HystereticBlock
 from rocking.inner_mass import BlockWithInnerMass, inside
-from studies.loop.model import LoopModel
+from studies.loop.models.model import LoopModel
 
 Array = NDArray[np.float64]
 

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies.campaigns import Campaign, Test
-from studies.loop.instruments import accelerations
-from studies.loop.model import LoopModel
-from studies.loop.simulation import Answer, Job, Simulator
-from studies.loop.thinning import factors
+from studies.loop.models.model import LoopModel
+from studies.loop.observed.instruments import accelerations
+from studies.loop.runs.simulation import Answer, Job, Simulator
+from studies.loop.runs.thinning import factors
 from studies.running.files import save_text, write_whole
 
 Array = NDArray[np.float64]

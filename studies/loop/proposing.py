@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from studies.campaigns import Test
 from studies.loop.closing import Finding
-from studies.loop.learning import LEARNED
-from studies.loop.model import LoopModel
-from studies.loop.names import readable
-from studies.loop.remaining import missed, swings_that_count
-from studies.loop.simulation import Job, Simulator
+from studies.loop.models.model import LoopModel
+from studies.loop.models.names import readable
+from studies.loop.runs.simulation import Job, Simulator
+from studies.loop.swings.learning import LEARNED
+from studies.loop.whole.remaining import missed, swings_that_count
 
 Array = NDArray[np.float64]
 

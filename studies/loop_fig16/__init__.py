@@ -29,7 +29,7 @@ from studies.claims.bounds import CLAIMS
 from studies.criteria.overturning import Settings, overturning
 from studies.loop.closing import Finding as Closed
 from studies.loop.closing import close
-from studies.loop.simulation import Job as Run
+from studies.loop.runs.simulation import Job as Run
 from studies.loop_fig16.drawing import figure
 from studies.running.command_line import one_of, positive
 from studies.running.files import BadInputError

@@ -19,7 +19,7 @@ import excitation as ex
 import studies
 from studies.animation import film_of
 from studies.campaigns import read as read_campaign
-from studies.loop.model_file import read_model
+from studies.loop.models.model_file import read_model
 from studies.loop.outcomes.prediction import read_noise
 from studies.running.files import load_dataset
 from studies.sweep import read as read_sweep

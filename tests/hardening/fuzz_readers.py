@@ -30,7 +30,7 @@ with atheris.instrument_imports(include=["excitation", "studies", "tomllib"]):
     from excitation.formats import seismology
     from studies.campaigns import CampaignError
     from studies.campaigns import read as read_campaign
-    from studies.loop.model_file import ModelError, read_model
+    from studies.loop.models.model_file import ModelError, read_model
     from studies.running.files import DatasetError, load_dataset
     from studies.sweep import read as read_sweep
 

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from rocking import G_STANDARD
 from studies.campaigns import DeclaredBlock
-from studies.loop.candidates import Candidate, grips
-from studies.loop.learning import TERM
-from studies.loop.model import DRIFT, RESTITUTION
-from studies.loop.parameters import Parameter
+from studies.loop.models.candidates import Candidate, grips
+from studies.loop.models.model import DRIFT, RESTITUTION
+from studies.loop.models.parameters import Parameter
+from studies.loop.swings.learning import TERM
 
 Array = NDArray[np.float64]
 

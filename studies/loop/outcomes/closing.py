@@ -16,8 +16,7 @@ import numpy as np
 from scipy.stats import binom
 
 from studies.campaigns import Campaign
-from studies.loop.keeping import Keeper
-from studies.loop.model import LoopModel
+from studies.loop.models.model import LoopModel
 from studies.loop.outcomes.candidates import forms, terms
 from studies.loop.outcomes.data import OutcomeData, cheap, prepare, redrawn
 from studies.loop.outcomes.finding import OutcomeFinding, Stage, Verdict
@@ -26,7 +25,8 @@ from studies.loop.outcomes.prediction import falls_at_strengths
 from studies.loop.outcomes.runs import FINE, Runs, falls_of
 from studies.loop.outcomes.search import Round, Search, Tried, calibrated, traced
 from studies.loop.outcomes.weighing import densely, intervals, near, next_test, twins
-from studies.loop.simulation import Simulator
+from studies.loop.runs.keeping import Keeper
+from studies.loop.runs.simulation import Simulator
 
 Tell = Callable[[str], None]
 

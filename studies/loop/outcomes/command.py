@@ -9,12 +9,12 @@ from pathlib import Path
 from studies.campaigns import Campaign
 from studies.loop.dataset import save
 from studies.loop.finding_file import write_finding
-from studies.loop.keeping import Keeper
 from studies.loop.outcomes.closing import close
 from studies.loop.outcomes.dataset import dataset
 from studies.loop.outcomes.finding import as_json
 from studies.loop.outcomes.prediction import write_outcome_model
 from studies.loop.outcomes.report import write_report
+from studies.loop.runs.keeping import Keeper
 
 
 def close_outcomes(

@@ -19,7 +19,7 @@ from scipy.signal import resample_poly
 
 from studies.campaigns import Campaign, CampaignError, DeclaredBlock, Test, motion_groups
 from studies.campaigns.gaps import LONGEST_FILL, whole_base
-from studies.loop.thinning import base_noise
+from studies.loop.runs.thinning import base_noise
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from studies.loop.names import parameter_units
+from studies.loop.models.names import parameter_units
 from studies.loop.outcomes.finding import METRIC, STAGES, OutcomeFinding
 from studies.running.files import provenance
 

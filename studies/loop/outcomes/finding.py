@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from rocking.effects import load
-from studies.loop.model import LoopModel
+from studies.loop.models.model import LoopModel
 from studies.loop.outcomes.candidates import UNSEEN
 from studies.loop.outcomes.data import OutcomeData
 from studies.loop.outcomes.likelihood import Array, Bools, Noise

@@ -22,14 +22,14 @@ import numpy as np
 
 from studies.campaigns import Campaign, Test
 from studies.campaigns.errors import shown
-from studies.loop.keeping import Keeper
-from studies.loop.model import LoopModel
-from studies.loop.model_file import ModelError, write_model
+from studies.loop.models.model import LoopModel
+from studies.loop.models.model_file import ModelError, write_model
 from studies.loop.outcomes.data import scaled
 from studies.loop.outcomes.likelihood import Array, Noise, probability, weights
 from studies.loop.outcomes.runs import FINE, Falls, falls_of
 from studies.loop.prediction import write_predictions
-from studies.loop.simulation import Simulator
+from studies.loop.runs.keeping import Keeper
+from studies.loop.runs.simulation import Simulator
 from studies.running.files import save_text
 from studies.running.toml_file import read_toml
 

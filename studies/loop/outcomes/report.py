@@ -15,7 +15,7 @@ import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from studies.loop.names import OWN, page, parameter_units, readable
+from studies.loop.models.names import OWN, page, parameter_units, readable
 from studies.loop.outcomes import figures, text
 from studies.loop.outcomes.closing import CHANCE, PAYS
 from studies.loop.outcomes.finding import OutcomeFinding, deciding

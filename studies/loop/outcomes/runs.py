@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies.campaigns import DeclaredBlock, Test
-from studies.loop.keeping import Keeper, digest_of
-from studies.loop.model import LoopModel
+from studies.loop.models.model import LoopModel
 from studies.loop.outcomes.data import cheap, scaled
-from studies.loop.simulation import Answer, Job, Simulator
+from studies.loop.runs.keeping import Keeper, digest_of
+from studies.loop.runs.simulation import Answer, Job, Simulator
 
 Array = NDArray[np.float64]
 Falls = NDArray[np.bool_]

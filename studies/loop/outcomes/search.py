@@ -19,13 +19,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.stats import qmc
 
-from studies.loop.candidates import Candidate
-from studies.loop.learning import LEARNED
-from studies.loop.model import RESTITUTION, LoopModel
+from studies.loop.models.candidates import Candidate
+from studies.loop.models.model import RESTITUTION, LoopModel
+from studies.loop.models.parameters import Parameter
 from studies.loop.outcomes.candidates import Form, restitution
 from studies.loop.outcomes.likelihood import Array, Bools, Noise, best_over_draws, probability, score
 from studies.loop.outcomes.runs import FINE, NOMINAL, Runs
-from studies.loop.parameters import Parameter
+from studies.loop.swings.learning import LEARNED
 
 Tell = Callable[[str], None]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from studies.loop.learning import LEARNED
-from studies.loop.names import page, readable
+from studies.loop.models.names import page, readable
 from studies.loop.outcomes.search import FINAL
 from studies.loop.report.text import effect_words, listed, number
+from studies.loop.swings.learning import LEARNED
 
 Content = dict[str, Any]
 

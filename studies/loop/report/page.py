@@ -18,11 +18,11 @@ from markupsafe import Markup
 from studies.campaigns import Campaign
 from studies.loop.closing import Finding
 from studies.loop.finding_file import REFUSED
-from studies.loop.model import MOUNTING
-from studies.loop.names import OWN, page, parameter_units, readable
+from studies.loop.models.model import MOUNTING
+from studies.loop.models.names import OWN, page, parameter_units, readable
 from studies.loop.report import figures, tables, text
-from studies.loop.rivals import TWIN
-from studies.loop.tracing import LEAST_GAIN, PAYS, bic
+from studies.loop.swings.tracing import LEAST_GAIN, PAYS, bic
+from studies.loop.whole.rivals import TWIN
 from studies.running.files import write_whole
 
 TEMPLATE = "report.html.jinja"

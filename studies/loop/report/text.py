@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from studies.loop.names import page, readable
-from studies.loop.rivals import TWIN
+from studies.loop.models.names import page, readable
+from studies.loop.whole.rivals import TWIN
 
 Content = dict[str, Any]
 

@@ -8,7 +8,7 @@ from rocking import Block, Method1, solve
 from rocking.effects import load
 from rocking.instruments import rotation_sensor
 from studies.campaigns import DeclaredBlock
-from studies.loop.model import LoopModel
+from studies.loop.models.model import LoopModel
 
 DECLARED = DeclaredBlock(0.2, 0.6, 0.25, 30.0)
 BENT = {

@@ -11,8 +11,9 @@ from excitation import SampledMotion
 from rocking import Block, Method1, solve
 from rocking.effects import load
 from studies.campaigns import Campaign, Channel, Conditions, DeclaredBlock, Test, read, write
-from studies.loop import closing, searching
-from studies.loop.candidates import candidates
+from studies.loop import closing
+from studies.loop.models.candidates import candidates
+from studies.loop.search import searching
 
 STEP = 0.004
 BLOCK = Block(b=0.15, h=0.5, d=0.25, density=600.0)

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from studies.loop.rivals import Rival
+from studies.loop.whole.rivals import Rival
 
 
 def whole(*rms):

@@ -15,13 +15,13 @@ from rocking import Block, Method1, solve
 from rocking.instruments import accelerometer
 from studies.campaigns import Campaign, CampaignError, Channel, Conditions, DeclaredBlock, Test
 from studies.loop.closing import STANDARD_GRAVITY
-from studies.loop.estimating import sensor_covariance
-from studies.loop.linearising import linearised
-from studies.loop.model import LoopModel
-from studies.loop.observing import jobs_of, observe
-from studies.loop.preparing import Setup, prepare
-from studies.loop.tracing import E, baseline
-from studies.loop.windows import SIDE, whole_windows
+from studies.loop.fits.estimating import sensor_covariance
+from studies.loop.fits.linearising import linearised
+from studies.loop.models.model import LoopModel
+from studies.loop.observed.observing import jobs_of, observe
+from studies.loop.observed.windows import SIDE, whole_windows
+from studies.loop.records.preparing import Setup, prepare
+from studies.loop.swings.tracing import E, baseline
 
 BLOCK = Block(0.2, 0.8, 0.4)
 DECLARED = DeclaredBlock(0.2, 0.8, 0.4, BLOCK.mass)

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from studies.campaigns import DeclaredBlock
-from studies.loop import closing, learning, remaining
-from studies.loop.learning import unnamed
-from studies.loop.rivals import Rival, other_forms, twins
-from studies.loop.tracing import Round
+from studies.loop import closing
+from studies.loop.swings import learning
+from studies.loop.swings.learning import unnamed
+from studies.loop.swings.tracing import Round
+from studies.loop.whole import remaining
+from studies.loop.whole.rivals import Rival, other_forms, twins
 
 from .stubs import FLOOR, TILT, rival, trial, whole
 

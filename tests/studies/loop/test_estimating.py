@@ -9,13 +9,13 @@ import pytest
 from excitation import RampedSinusoid
 from rocking import Block, Method1, solve
 from studies.campaigns import Channel, DeclaredBlock, Test
-from studies.loop.estimating import robust_covariance, sensor_covariance
-from studies.loop.fitting import Fit, fit
-from studies.loop.model import LoopModel
-from studies.loop.parameters import Parameter
-from studies.loop.simulation import Simulator
-from studies.loop.spread import redrawn
-from studies.loop.windows import record_of, whole_windows
+from studies.loop.fits.estimating import robust_covariance, sensor_covariance
+from studies.loop.fits.fitting import Fit, fit
+from studies.loop.models.model import LoopModel
+from studies.loop.models.parameters import Parameter
+from studies.loop.observed.spread import redrawn
+from studies.loop.observed.windows import record_of, whole_windows
+from studies.loop.runs.simulation import Simulator
 
 BLOCK = Block(0.2, 0.8, 0.4)
 DECLARED = DeclaredBlock(0.2, 0.8, 0.4, BLOCK.mass)

@@ -13,16 +13,16 @@ from excitation import RampedSinusoid
 from rocking import Block, Method1, solve
 from rocking.effects import load
 from studies.campaigns import Channel, DeclaredBlock, Test
-from studies.loop.candidates import candidates
-from studies.loop.estimating import DISAGREEING, gains, robust_covariance
-from studies.loop.fitting import _moved, fit
-from studies.loop.linearising import Ends, linearised, slopes
-from studies.loop.model import LoopModel
-from studies.loop.parameters import Parameter
-from studies.loop.simulation import Job, Simulator
-from studies.loop.spread import redrawn
-from studies.loop.tracing import E
-from studies.loop.windows import record_of, swing_windows, whole_windows
+from studies.loop.fits.estimating import DISAGREEING, gains, robust_covariance
+from studies.loop.fits.fitting import _moved, fit
+from studies.loop.fits.linearising import Ends, linearised, slopes
+from studies.loop.models.candidates import candidates
+from studies.loop.models.model import LoopModel
+from studies.loop.models.parameters import Parameter
+from studies.loop.observed.spread import redrawn
+from studies.loop.observed.windows import record_of, swing_windows, whole_windows
+from studies.loop.runs.simulation import Job, Simulator
+from studies.loop.swings.tracing import E
 
 BLOCK = Block(0.2, 0.8, 0.4)
 DECLARED = DeclaredBlock(0.2, 0.8, 0.4, BLOCK.mass)
@@ -88,7 +88,7 @@ def test_a_run_of_the_simulator_is_that_of_the_scipy_solver(tests: list[Test], s
 def test_derivatives_through_impacts_do_not_depend_on_the_step(
     simulator: Simulator, windows: list, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from studies.loop import linearising
+    from studies.loop.fits import linearising
 
     fine = linearised(simulator, model(TRUE_C), [E, DRAG], windows[:6])
     monkeypatch.setattr(linearising, "STEP", 2e-2)
@@ -188,7 +188,7 @@ def test_records_that_disagree_widen_the_covariance(simulator: Simulator, tests:
 def test_slopes_on_a_soft_floor_are_not_those_of_the_steps_of_a_run(
     tests: list[Test], windows: list, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from studies.loop import simulation
+    from studies.loop.runs import simulation
 
     for floor in (c for c in candidates(DECLARED) if c.costly):
         start = LoopModel(DECLARED, TRUE_E, {}, 9.81).changed({**floor.fixed, **floor.starts[2]})

@@ -13,12 +13,12 @@ import pytest
 from studies.campaigns import read
 from studies.laboratory.campaign import make_campaign
 from studies.laboratory.parameters import G
-from studies.loop import floors_that_give
-from studies.loop.fitting import fit
-from studies.loop.parameters import Parameter
-from studies.loop.preparing import as_declared, prepare
-from studies.loop.tracing import all_candidates, baseline
-from studies.loop.whole_fits import HORIZONS, whole_fit
+from studies.loop.fits.fitting import fit
+from studies.loop.models.parameters import Parameter
+from studies.loop.records.preparing import as_declared, prepare
+from studies.loop.swings.tracing import all_candidates, baseline
+from studies.loop.whole import floors_that_give
+from studies.loop.whole.whole_fits import HORIZONS, whole_fit
 
 ALONG = Parameter("floor.along", 0.5, 0.05, 100.0, log=True)
 STIFF = Parameter("floor.stiffness", 0.3, 1.0, 1e9, log=True)

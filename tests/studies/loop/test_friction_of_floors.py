@@ -10,7 +10,7 @@ from studies.campaigns import DeclaredBlock
 from studies.laboratory import campaign
 from studies.laboratory.effects import GRIPS, NAMED, Draw, Lab
 from studies.laboratory.parameters import uniform
-from studies.loop.candidates import GRIP, LESS_GRIP, candidates, grips
+from studies.loop.models.candidates import GRIP, LESS_GRIP, candidates, grips
 
 BLOCK = DeclaredBlock(0.2, 0.8, 0.4, 38.0)
 

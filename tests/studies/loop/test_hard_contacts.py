@@ -8,8 +8,9 @@ import pytest
 from studies.campaigns import read
 from studies.laboratory.campaign import make_campaign
 from studies.laboratory.parameters import G
-from studies.loop import closing, searching
-from studies.loop.tracing import all_candidates
+from studies.loop import closing
+from studies.loop.search import searching
+from studies.loop.swings.tracing import all_candidates
 
 RIVALS = {"bouncing", "velocity_dependent_restitution", "viscous_damping", "base_motion_lag"}
 

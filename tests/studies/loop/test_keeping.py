@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from test_fitting import BLOCK, DECLARED, DRAG, campaign, model
 
-from studies.loop.fitting import fit
-from studies.loop.keeping import Keeper, digest_of
+from studies.loop.fits.fitting import fit
+from studies.loop.observed.windows import record_of, swing_windows
 from studies.loop.outcomes.runs import falls_of
-from studies.loop.simulation import Simulator
-from studies.loop.tracing import E
-from studies.loop.windows import record_of, swing_windows
+from studies.loop.runs.keeping import Keeper, digest_of
+from studies.loop.runs.simulation import Simulator
+from studies.loop.swings.tracing import E
 
 
 @pytest.fixture(scope="module")

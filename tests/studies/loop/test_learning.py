@@ -17,13 +17,13 @@ from rocking.remembering import LONG_AGO
 from studies.campaigns import Channel, DeclaredBlock, Test
 from studies.laboratory import event, table
 from studies.laboratory.parameters import G, World, uniform
-from studies.loop import learning
-from studies.loop.learning import inner, learn, memories, open_to, profiles, readings
-from studies.loop.model import LoopModel
-from studies.loop.observing import jobs_of
-from studies.loop.simulation import Job, Simulator
-from studies.loop.tracing import Trial, baseline, search
-from studies.loop.windows import Window, record_of, swing_windows
+from studies.loop.models.model import LoopModel
+from studies.loop.observed.observing import jobs_of
+from studies.loop.observed.windows import Window, record_of, swing_windows
+from studies.loop.runs.simulation import Job, Simulator
+from studies.loop.swings import learning
+from studies.loop.swings.learning import inner, learn, memories, open_to, profiles, readings
+from studies.loop.swings.tracing import Trial, baseline, search
 
 BREADTH, HEIGHT, MASS, E, NOISE, STEP = 0.2, 0.6, 30.0, 0.93, 1e-4, 0.004
 DECLARED = DeclaredBlock(BREADTH, HEIGHT, 0.25, MASS)

@@ -9,14 +9,15 @@ import pytest
 from studies.campaigns import DeclaredBlock, read
 from studies.laboratory.campaign import make_campaign
 from studies.laboratory.parameters import G
-from studies.loop import closing, learning_of_records
-from studies.loop.learning_of_records import forms, unseen
+from studies.loop import closing
 from studies.loop.prediction import predict
-from studies.loop.preparing import as_declared, prepare
-from studies.loop.remaining import over_noise
-from studies.loop.settling import settle
-from studies.loop.tracing import Round, baseline
-from studies.loop.whole_fits import whole_fit
+from studies.loop.records.preparing import as_declared, prepare
+from studies.loop.search import learning_of_records
+from studies.loop.search.learning_of_records import forms, unseen
+from studies.loop.swings.tracing import Round, baseline
+from studies.loop.whole.remaining import over_noise
+from studies.loop.whole.settling import settle
+from studies.loop.whole.whole_fits import whole_fit
 
 from .stubs import trial, whole
 

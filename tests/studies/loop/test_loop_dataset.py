@@ -11,11 +11,11 @@ from rocking import G_STANDARD
 from rocking.remembering import LONG_AGO
 from studies.campaigns import Channel, DeclaredBlock, Test
 from studies.loop.dataset import dataset, group_names, save
-from studies.loop.model import LoopModel
-from studies.loop.residual_impacts import Impacts, modelled_restitution, onset
-from studies.loop.residual_torque import path, residual_torque, stretches
-from studies.loop.simulation import Simulator
-from studies.loop.windows import record_of
+from studies.loop.models.model import LoopModel
+from studies.loop.observed.residual_impacts import Impacts, modelled_restitution, onset
+from studies.loop.observed.residual_torque import path, residual_torque, stretches
+from studies.loop.observed.windows import record_of
+from studies.loop.runs.simulation import Simulator
 
 NOISE = 1e-5
 

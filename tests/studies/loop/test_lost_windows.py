@@ -10,15 +10,15 @@ import pytest
 from rocking import Block, Method1, solve
 from rocking.effects import load
 from studies.campaigns import Channel, DeclaredBlock, Test
-from studies.loop import tracing
-from studies.loop.candidates import candidates
-from studies.loop.estimating import sensor_covariance
-from studies.loop.fitting import Fit, fit
-from studies.loop.model import LoopModel
-from studies.loop.remaining import over_noise
-from studies.loop.simulation import Simulator
-from studies.loop.tracing import E, Trial, _as_seen, _on_some, _with_lost_found, baseline
-from studies.loop.windows import PEAK_OVER_NOISE, Record, Window, record_of, swing_windows
+from studies.loop.fits.estimating import sensor_covariance
+from studies.loop.fits.fitting import Fit, fit
+from studies.loop.models.candidates import candidates
+from studies.loop.models.model import LoopModel
+from studies.loop.observed.windows import PEAK_OVER_NOISE, Record, Window, record_of, swing_windows
+from studies.loop.runs.simulation import Simulator
+from studies.loop.swings import tracing
+from studies.loop.swings.tracing import E, Trial, _as_seen, _on_some, _with_lost_found, baseline
+from studies.loop.whole.remaining import over_noise
 
 BLOCK = Block(0.2, 0.8, 0.4)
 DECLARED = DeclaredBlock(0.2, 0.8, 0.4, BLOCK.mass)

@@ -6,9 +6,9 @@ import pytest
 
 from studies.campaigns import DeclaredBlock
 from studies.loop.__main__ import main
-from studies.loop.candidates import Candidate, candidates
-from studies.loop.model import LoopModel
-from studies.loop.model_file import ModelError, read_model, write_model
+from studies.loop.models.candidates import Candidate, candidates
+from studies.loop.models.model import LoopModel
+from studies.loop.models.model_file import ModelError, read_model, write_model
 
 BLOCK = DeclaredBlock(0.2, 0.8, 0.4, 40.0)
 MODEL = LoopModel(

@@ -11,8 +11,8 @@ import pytest
 from excitation import SampledMotion
 from rocking import Block, Method1, Method2, solve
 from studies.campaigns import Channel, DeclaredBlock, Test
-from studies.loop.model import LoopModel
-from studies.loop.simulation import FEWEST_EVENTS, KEEPS_ALL, MOST_EVENTS, SMALLEST, Job, Simulator, most_events
+from studies.loop.models.model import LoopModel
+from studies.loop.runs.simulation import FEWEST_EVENTS, KEEPS_ALL, MOST_EVENTS, SMALLEST, Job, Simulator, most_events
 
 BLOCK = Block(0.2, 0.8, 0.4)
 DECLARED = DeclaredBlock(0.2, 0.8, 0.4, BLOCK.mass)

@@ -12,8 +12,8 @@ from rocking.effects import available
 from studies.campaigns import Campaign, CampaignError, Channel, Conditions, DeclaredBlock, Test, read, write
 from studies.laboratory.outcomes import make_outcomes
 from studies.loop.__main__ import main
-from studies.loop.model import LoopModel
-from studies.loop.model_file import ModelError, read_model
+from studies.loop.models.model import LoopModel
+from studies.loop.models.model_file import ModelError, read_model
 from studies.loop.outcomes import closing as outcomes
 from studies.loop.outcomes import search as outcomes_search
 from studies.loop.outcomes.candidates import UNSEEN, forms
@@ -22,7 +22,7 @@ from studies.loop.outcomes.dataset import peak_velocity
 from studies.loop.outcomes.likelihood import Noise, best_over_draws, probability, score, weights
 from studies.loop.outcomes.prediction import read_noise, write_outcome_model
 from studies.loop.outcomes.runs import falls_of
-from studies.loop.simulation import Simulator
+from studies.loop.runs.simulation import Simulator
 
 BLOCK = DeclaredBlock(0.15, 0.5, 0.25, 11.25)
 BASE = Channel("base", "base_acceleration_x", 0.01)

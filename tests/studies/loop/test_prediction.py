@@ -11,7 +11,7 @@ import pytest
 from rocking import Block
 from studies.campaigns import Channel, DeclaredBlock, Test
 from studies.loop import prediction
-from studies.loop.model import LoopModel
+from studies.loop.models.model import LoopModel
 
 BLOCK = Block(0.2, 0.8, 0.4)
 DECLARED = DeclaredBlock(0.2, 0.8, 0.4, BLOCK.mass)

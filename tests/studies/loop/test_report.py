@@ -14,11 +14,11 @@ from scipy.integrate import solve_ivp
 from rocking.effects import available
 from studies.loop.dataset import dataset
 from studies.loop.finding_file import as_json
-from studies.loop.names import page, readable
+from studies.loop.models.names import page, readable
 from studies.loop.report.figures import Points, binned
 from studies.loop.report.page import _nearest, report, write_report
 from studies.loop.report.text import evidence, number, reason, with_interval
-from studies.loop.rivals import Rival
+from studies.loop.whole.rivals import Rival
 
 SECTIONS = (
     "verdict", "error", "measured", "histories", "residual", "found", "sure", "ruled-out", "twins", "notes", "next",

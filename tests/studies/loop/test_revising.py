@@ -16,17 +16,18 @@ import pytest
 from studies.campaigns import Campaign, Channel, Conditions, DeclaredBlock, Test
 from studies.laboratory import event, table
 from studies.laboratory.parameters import G, World, uniform
-from studies.loop import closing, finding_file, revising
-from studies.loop import rivals as rivals_module
+from studies.loop import closing, finding_file
 from studies.loop.dataset import candidates
 from studies.loop.finding_file import as_json
-from studies.loop.model import LoopModel
-from studies.loop.preparing import Setup, prepare
+from studies.loop.models.model import LoopModel
+from studies.loop.records.preparing import Setup, prepare
 from studies.loop.report import page
-from studies.loop.revising import Revision, revised, without_needless
-from studies.loop.rivals import Rival, near_all, twins
-from studies.loop.tracing import Round, Trial, all_candidates, baseline, bic, search
-from studies.loop.whole_fits import whole_fit
+from studies.loop.search import revising
+from studies.loop.search.revising import Revision, revised, without_needless
+from studies.loop.swings.tracing import Round, Trial, all_candidates, baseline, bic, search
+from studies.loop.whole import rivals as rivals_module
+from studies.loop.whole.rivals import Rival, near_all, twins
+from studies.loop.whole.whole_fits import whole_fit
 
 BREADTH, HEIGHT, MASS, E, NOISE, STEP = 0.2, 0.6, 30.0, 0.93, 1e-4, 0.004
 DECLARED = DeclaredBlock(BREADTH, HEIGHT, 0.25, MASS)

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from studies.loop import rivals
-from studies.loop.rivals import TWIN, Rival, standing, twins_from_many
+from studies.loop.whole import rivals
+from studies.loop.whole.rivals import TWIN, Rival, standing, twins_from_many
 
 
 def rival(effect: str, criterion: float, chi2: float, costly: bool = False) -> Rival:

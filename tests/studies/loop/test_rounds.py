@@ -6,11 +6,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from studies.loop import remaining, rounds, tracing, whole_fits, whole_records
-from studies.loop.fitting import Fit
-from studies.loop.tracing import Round, search
-from studies.loop.whole_fits import gain, where_told
-from studies.loop.whole_records import explains_more
+from studies.loop.fits.fitting import Fit
+from studies.loop.search import rounds
+from studies.loop.swings import tracing
+from studies.loop.swings.tracing import Round, search
+from studies.loop.whole import remaining, whole_fits, whole_records
+from studies.loop.whole.whole_fits import gain, where_told
+from studies.loop.whole.whole_records import explains_more
 
 from .stubs import FLOOR, PLAIN, TILT, rival, trial, whole
 

@@ -15,13 +15,13 @@ from rocking import Method1, solve
 from studies.campaigns import Campaign, Channel, Conditions, DeclaredBlock, Test
 from studies.laboratory import event, table
 from studies.laboratory.parameters import G, uniform
-from studies.loop.fitting import fit_records
-from studies.loop.linearising import linearised
-from studies.loop.model import LoopModel
-from studies.loop.parameters import Parameter
-from studies.loop.preparing import Setup, prepare
-from studies.loop.scoring import errors, leaning
-from studies.loop.tracing import E
+from studies.loop.fits.fitting import fit_records
+from studies.loop.fits.linearising import linearised
+from studies.loop.models.model import LoopModel
+from studies.loop.models.parameters import Parameter
+from studies.loop.records.preparing import Setup, prepare
+from studies.loop.records.scoring import errors, leaning
+from studies.loop.swings.tracing import E
 
 BREADTH, HEIGHT, MASS, RESTITUTION, NOISE, STEP = 0.2, 0.6, 30.0, 0.93, 1e-4, 0.004
 DECLARED = DeclaredBlock(BREADTH, HEIGHT, 0.25, MASS)

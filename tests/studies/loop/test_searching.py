@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from studies.loop import rounds, searching
-from studies.loop.tracing import Round
+from studies.loop.search import rounds, searching
+from studies.loop.swings.tracing import Round
 
 
 @pytest.fixture

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from studies.campaigns import Channel
-from studies.loop import settling
-from studies.loop.parameters import Parameter
-from studies.loop.remaining import missed
-from studies.loop.settling import (
+from studies.loop.models.parameters import Parameter
+from studies.loop.observed.windows import Window
+from studies.loop.whole import settling
+from studies.loop.whole.remaining import missed
+from studies.loop.whole.settling import (
     FEWEST_SAMPLES,
     PREDICTABLE,
     _apart,
@@ -22,7 +23,6 @@ from studies.loop.settling import (
     intervals,
     predictable,
 )
-from studies.loop.windows import Window
 
 
 def window(growth: float, samples: int = 400) -> Window:

@@ -14,15 +14,15 @@ import pytest
 from excitation import RampedSinusoid
 from rocking import Block, Method2, Mode, solve
 from studies.campaigns import Channel, DeclaredBlock, Test
-from studies.loop import tracing
-from studies.loop.candidates import candidates
-from studies.loop.fitting import fit
-from studies.loop.model import RESTITUTION, LoopModel
-from studies.loop.observing import jobs_of
-from studies.loop.parameters import Parameter
-from studies.loop.simulation import Simulator
-from studies.loop.tracing import baseline, pays, search
-from studies.loop.windows import record_of, swing_windows
+from studies.loop.fits.fitting import fit
+from studies.loop.models.candidates import candidates
+from studies.loop.models.model import RESTITUTION, LoopModel
+from studies.loop.models.parameters import Parameter
+from studies.loop.observed.observing import jobs_of
+from studies.loop.observed.windows import record_of, swing_windows
+from studies.loop.runs.simulation import Simulator
+from studies.loop.swings import tracing
+from studies.loop.swings.tracing import baseline, pays, search
 
 BLOCK = Block(0.15, 0.5, 0.25)
 DECLARED = DeclaredBlock(0.15, 0.5, 0.25, BLOCK.mass)

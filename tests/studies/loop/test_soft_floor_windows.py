@@ -17,13 +17,13 @@ from excitation import RampedSinusoid
 from rocking import Block, Method1, solve
 from rocking.effects import load
 from studies.campaigns import Channel, DeclaredBlock, Test
-from studies.loop import whole_fits
-from studies.loop.fitting import fit_records
-from studies.loop.model import LoopModel
-from studies.loop.observing import jobs_of
-from studies.loop.simulation import Simulator, _not_forgotten
-from studies.loop.tracing import E
-from studies.loop.windows import record_of, swing_windows, whole_windows
+from studies.loop.fits.fitting import fit_records
+from studies.loop.models.model import LoopModel
+from studies.loop.observed.observing import jobs_of
+from studies.loop.observed.windows import record_of, swing_windows, whole_windows
+from studies.loop.runs.simulation import Simulator, _not_forgotten
+from studies.loop.swings.tracing import E
+from studies.loop.whole import whole_fits
 
 BLOCK = Block(0.4, 1.2, 0.6)
 DECLARED = DeclaredBlock(0.4, 1.2, 0.6, BLOCK.mass)

@@ -10,9 +10,9 @@ from scipy.signal import butter, sosfiltfilt
 from excitation import SampledMotion
 from rocking import Block, Method1, solve
 from studies.campaigns import Channel, DeclaredBlock, Test
-from studies.loop.model import LoopModel
-from studies.loop.simulation import Job, Simulator
-from studies.loop.thinning import SHARE, factors, thinned, thinning
+from studies.loop.models.model import LoopModel
+from studies.loop.runs.simulation import Job, Simulator
+from studies.loop.runs.thinning import SHARE, factors, thinned, thinning
 
 P, STEP, NOISE = 5.0, 0.002, 3e-3
 

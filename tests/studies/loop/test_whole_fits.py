@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from studies.campaigns import Channel, DeclaredBlock
-from studies.loop import whole_fits
-from studies.loop.model import LoopModel
-from studies.loop.parameters import Parameter
-from studies.loop.windows import Window
+from studies.loop.models.model import LoopModel
+from studies.loop.models.parameters import Parameter
+from studies.loop.observed.windows import Window
+from studies.loop.whole import whole_fits
 
 NOISE = 2e-4
 

@@ -13,16 +13,18 @@ import pytest
 from studies.campaigns import DeclaredBlock, read
 from studies.laboratory.campaign import make_campaign
 from studies.laboratory.parameters import G
-from studies.loop import closing, searching, whole_records
-from studies.loop.candidates import candidates
-from studies.loop.fitting import Fit, fit_records
-from studies.loop.model import LoopModel
-from studies.loop.preparing import as_declared, prepare
-from studies.loop.rivals import Rival
-from studies.loop.settling import predictable
-from studies.loop.tracing import Round, Trial, all_candidates, baseline, search
-from studies.loop.whole_fits import gain, whole_fit
-from studies.loop.whole_records import MISSED, _at_the_cost_of_others, _explains, _scanned, hinted, ranked, scan
+from studies.loop import closing
+from studies.loop.fits.fitting import Fit, fit_records
+from studies.loop.models.candidates import candidates
+from studies.loop.models.model import LoopModel
+from studies.loop.records.preparing import as_declared, prepare
+from studies.loop.search import searching
+from studies.loop.swings.tracing import Round, Trial, all_candidates, baseline, search
+from studies.loop.whole import whole_records
+from studies.loop.whole.rivals import Rival
+from studies.loop.whole.settling import predictable
+from studies.loop.whole.whole_fits import gain, whole_fit
+from studies.loop.whole.whole_records import MISSED, _at_the_cost_of_others, _explains, _scanned, hinted, ranked, scan
 
 RIVALS = {"compliant_base", "sliding", "base_tilt", "viscous_damping", "base_motion_lag"}
 

@@ -3,7 +3,8 @@
 import pytest
 
 from rocking.effects import load
-from studies.loop import closing, searching
+from studies.loop import closing
+from studies.loop.search import searching
 
 from .found import _found
 

@@ -1,0 +1,1 @@
+"""Least squares over windows whose starting states are eliminated, and what a fit says of its parameters."""

@@ -1,0 +1,346 @@
+"""Rotation from accelerometers on the block, by the calibrated ideal block: where to cut, and states to start from.
+
+A reading depends on the rotation, on the speed by the centripetal term, and above all on the side: the angular
+acceleration of a rocking block changes sign with it.  For each sample three hypotheses (upright, leaning to +x, leaning
+to -x) are weighed, and the likeliest sequence of them is found (Viterbi).  Each stretch of one side is then fitted with
+a free state.  What comes out serves to cut records into swings; effects are judged in the channels themselves.
+
+Source   Viterbi (1967) for the sequence.
+Status   mounting angles are estimated from what the sensors read at rest; free and forced runs are got back (tests).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocking.hybrid import REST, ROTATION
+from studies.campaigns import Channel, Test
+from studies.campaigns.clipping import clipped
+from studies.campaigns.swings import segment
+from studies.loop.fits.fitting import fit
+from studies.loop.fits.linearising import residuals
+from studies.loop.models.model import MOUNTING, LoopModel
+from studies.loop.observed.observing import readings
+from studies.loop.observed.windows import SIDE, Record, Window, cut
+from studies.loop.runs.simulation import Job, Simulator
+
+Array = NDArray[np.float64]
+
+NEAR_IMPACT = 2
+"""Samples on either side of a change of side that are not compared: the jump falls somewhere between them."""
+
+SLOP = 0.1
+"""Standard deviation [m/s^2] of what an ideal block leaves out, added to the noise when sides are told apart."""
+
+CHANGE = 15.0
+"""Price of a change of side in the log-likelihood: some 5 standard deviations of one sample."""
+
+MOUNTING_SD = 0.03
+"""How far from its declared axis a sensor may be mounted [rad], one standard deviation."""
+
+LEAST = 8
+"""Samples of the shortest stretch that is fitted."""
+
+FAR_OFF = 6.0
+"""Windows with a misfit beyond this many medians have lost their impact."""
+
+SCANNED = np.linspace(0.03, 0.99, 40)
+"""States at the start of a stretch that are tried, as shares of the largest (to the power 3/2: denser for small)."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A row of samples on one side: `start` to `stop` (excluded)."""
+
+    side: int
+    start: int
+    stop: int
+
+
+def mounted(model: LoopModel, simulator: Simulator, sensors: Sequence[Channel]) -> LoopModel:
+    """The model with mounting angles from what the sensors read while the block stands."""
+    angles = {}
+    for channel in sensors:
+        x, z = channel.axis
+        top, bottom = 0.0, MOUNTING_SD**-2
+        for k, test in enumerate(simulator.tests):
+            if channel.name not in test.data:
+                continue
+            sd = channel.noise or 0.03
+            base, rest = simulator.base(model, k), _standing(test, channel, sd, model.declared.onset_acceleration)
+            read = test.data[channel.name]
+            rest = rest & np.isfinite(read)
+            slope = (base.a_x * z - (model.g + base.a_z) * x)[rest]
+            left = (read - base.a_x * x - (model.g + base.a_z) * z)[rest]
+            top, bottom = top + float(slope @ left) / sd**2, bottom + float(slope @ slope) / sd**2
+        angles[f"{MOUNTING}.{channel.name}"] = top / bottom
+    return model.changed(angles)
+
+
+def _standing(test: Test, channel: Channel, sd: float, onset: float) -> NDArray[np.bool_]:
+    """Samples at which the block stands still: before a forced test can move it, and the quiet end of a free one."""
+    size = test.time.size
+    if test.kind == "forced":
+        base = test.base_x
+        moved = np.flatnonzero(np.abs(np.nan_to_num(base)) > 0.5 * onset) if base is not None else np.zeros(0, int)
+        return np.arange(size) < (int(moved[0]) if moved.size else size)
+    count = max(10, round(0.4 / test.time_step))
+    tail = test.data[channel.name][-count:]
+    quiet = np.isfinite(tail).sum() > count // 2 and float(np.nanstd(tail)) < 2.0 * sd
+    return np.arange(size) >= (size - count if quiet else size)
+
+
+def records(
+    simulator: Simulator, model: LoopModel, sensors: Sequence[Channel], noises: dict[str, float]
+) -> list[Record]:
+    """The records of all tests that hold some of the sensors.
+
+    Args:
+        simulator: of the tests.
+        model: the ideal block, with mounting angles.
+        sensors: accelerometers on the block.
+        noises: one standard deviation of each [m/s^2], by name.
+    """
+    found = []
+    for k, test in enumerate(simulator.tests):
+        own = [c for c in sensors if c.name in test.data and np.isfinite(test.data[c.name]).sum() >= 20]
+        if own:
+            found.append(_record(simulator, model, k, own, noises))
+    return found
+
+
+def _record(
+    simulator: Simulator, model: LoopModel, index: int, sensors: list[Channel], noises: dict[str, float]
+) -> Record:
+    test = simulator.tests[index]
+    sds = np.array([noises[c.name] for c in sensors])
+    observed = np.array([np.where(clipped(test.data[c.name]), np.nan, test.data[c.name]) for c in sensors])
+    weighed = _weighed(simulator, model, index, sensors, observed, sds)
+    parts = _stretches(weighed.sides)
+    compared = observed.copy()
+    for part in parts[1:]:
+        compared[:, max(0, part.start - NEAR_IMPACT) : part.start + NEAR_IMPACT] = np.nan
+    noise = weighed.theta_sd / math.sqrt(10.0)
+    size = test.time.size
+    blank = Record(
+        index, test.kind, test.time, np.zeros(size), noise, 0.0, 0.0, segment(test.time, np.zeros(size), noise),
+        tuple(sensors), observed, compared, np.repeat(sds[:, None], size, axis=1), sides=weighed.sides,
+    )  # fmt: skip
+    rotation, speeds, fell = _rotation(simulator, model, blank, parts)
+    for values in (observed, compared, rotation[None, :]):
+        values[:, fell:] = np.nan
+    lean = 0.0
+    if test.kind == "free":
+        known = np.flatnonzero(np.isfinite(rotation))
+        lean = float(rotation[known[0]]) if known.size else float(test.initial_rotation or 0.0)
+    found = replace(
+        blank, rotation=rotation, lean=lean, lean_sd=4.0 * noise if test.kind == "free" else 0.0,
+        found=segment(test.time, rotation, noise),
+    )  # fmt: skip
+    return _with_changes(found, [(part, speed) for part, speed in speeds if part.start < fell], test.time_step)
+
+
+def _with_changes(record: Record, changes: Sequence[tuple[Stretch, float]], step: float) -> Record:
+    """The record with a channel that says where the side changes: rotation near zero, as sure as samples are close.
+
+    changes: stretches that begin with an impact, and the angular speed there [rad/s].
+    """
+    size = record.time.size
+    crossing, sd = np.full(size, np.nan), np.ones(size)
+    for part, speed in changes:
+        # The impact falls anywhere between the last sample of one side and the first of the other.
+        crossing[part.start] = part.side * 0.5 * abs(speed) * step
+        sd[part.start] = max(abs(speed) * step / math.sqrt(12.0), 0.1 * record.noise)
+    return replace(
+        record, channels=(*record.channels, SIDE), recorded=np.vstack([record.recorded, crossing]),
+        observed=np.vstack([record.observed, crossing]), noises=np.vstack([record.noises, sd]),
+    )  # fmt: skip
+
+
+def by_base(simulator: Simulator, model: LoopModel, record: Record) -> Array:
+    """Derivative of the readings by the horizontal base acceleration [unit of the channel per m/s^2] along a record.
+
+    Shape (channel, time); the motion itself stays as it is.
+    """
+    theta = np.nan_to_num(record.rotation)
+    y = np.column_stack([theta, np.zeros(theta.size)])
+    moving = np.abs(theta) > 3.0 * record.noise
+    mode, s = np.where(moving, ROTATION, REST), np.where(theta < 0.0, -1.0, 1.0)
+    base = simulator.base(model, record.test)
+    step = 0.01
+    more = base._replace(a_x=base.a_x + step)
+    return np.array([
+        np.abs(readings(model, c, y, theta, mode, s, more) - readings(model, c, y, theta, mode, s, base)) / step
+        for c in record.channels
+    ])  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Weighed:
+    sides: NDArray[np.int64]  # likeliest side of each sample, 0 where upright
+    theta: Array  # rotation [rad] of each sample under its side
+    theta_sd: float  # its standard deviation from the noise, for a typical sample
+
+
+def _weighed(
+    simulator: Simulator, model: LoopModel, index: int, sensors: list[Channel], observed: Array, sds: Array
+) -> _Weighed:
+    """Weigh the three hypotheses for each sample."""
+    size = observed.shape[1]
+    alpha, p = model.block.alpha, model.block.p(model.g)
+    variance = sds**2 + SLOP**2
+    there = np.isfinite(observed)
+    weight = np.where(there, 1.0 / variance[:, None], 0.0)
+
+    def read(theta: float, omega: float, side: int) -> Array:
+        y = np.tile([theta, omega], (size, 1))
+        mode = np.full(size, ROTATION if side else REST)
+        s, base = np.full(size, float(side or 1)), simulator.base(model, index)
+        return np.array([readings(model, c, y, y[:, 0], mode, s, base) for c in sensors])
+
+    costs, thetas = np.empty((3, size)), np.zeros((3, size))
+    left = np.where(there, observed - read(0.0, 0.0, 0), 0.0)
+    costs[1] = np.sum(weight * left**2, axis=0)
+    sd = math.nan
+    for row, side in ((0, -1), (2, 1)):
+        zero = read(0.0, 0.0, side)
+        by_theta = (read(0.5 * side * alpha, 0.0, side) - zero) / (0.5 * alpha)  # per rotation to that side
+        by_square = (read(0.0, p * alpha, side) - zero) / (p * alpha) ** 2
+        left = np.where(there, observed - zero, 0.0)
+        # Least squares in the rotation and the square of the speed, with what is usual of them beforehand.
+        prior, usual = np.array([alpha**-2, (p * alpha) ** -4]), np.array([0.3 * alpha, 0.1 * (p * alpha) ** 2])
+        A = np.array([
+            [np.sum(weight * by_theta**2, 0) + prior[0], np.sum(weight * by_theta * by_square, 0)],
+            [np.sum(weight * by_theta * by_square, 0), np.sum(weight * by_square**2, 0) + prior[1]],
+        ]).transpose(2, 0, 1)  # fmt: skip
+        b = np.array([np.sum(weight * by_theta * left, 0) + prior[0] * usual[0],
+                      np.sum(weight * by_square * left, 0) + prior[1] * usual[1]]).T  # fmt: skip
+        x = np.linalg.solve(A, b[..., None])[..., 0]
+        x = np.clip(x, 0.0, [1.3 * alpha, 3.0 * (p * alpha) ** 2])
+        rest = left - by_theta * x[:, 0] - by_square * x[:, 1]
+        costs[row] = np.sum(weight * rest**2, axis=0) + np.sum(prior * (x - usual) ** 2, axis=1)
+        thetas[row] = side * x[:, 0]
+        own = np.sum(np.where(there, by_theta**2 / sds[:, None] ** 2, 0.0), axis=0)
+        sd = 1.0 / math.sqrt(max(float(np.median(own)), 1e-6))
+    sides = _likeliest(np.minimum(costs, 60.0)) - 1
+    return _Weighed(sides, np.take_along_axis(thetas, (sides + 1)[None, :], axis=0)[0], sd)
+
+
+def _likeliest(costs: Array) -> NDArray[np.int64]:
+    """The sequence of hypotheses of least cost with a price for each change (Viterbi); shape (time,)."""
+    count, size = costs.shape
+    price = CHANGE * (1.0 - np.eye(count))
+    total = costs[:, 0].copy()
+    back = np.zeros((size, count), dtype=np.int64)
+    for k in range(1, size):
+        ways = total[:, None] + price
+        back[k] = np.argmin(ways, axis=0)
+        total = ways[back[k], np.arange(count)] + costs[:, k]
+    path = np.empty(size, dtype=np.int64)
+    path[-1] = int(np.argmin(total))
+    for k in range(size - 1, 0, -1):
+        path[k - 1] = back[k, path[k]]
+    return path
+
+
+def _stretches(sides: NDArray[np.int64]) -> list[Stretch]:
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(sides)) + 1, [sides.size]])
+    return [Stretch(int(sides[a]), int(a), int(b)) for a, b in pairwise(edges)]
+
+
+def _rotation(
+    simulator: Simulator, model: LoopModel, record: Record, parts: Sequence[Stretch]
+) -> tuple[Array, list[tuple[Stretch, float]], int]:
+    """Rotation at the samples, NaN where it is not known; stretches that follow one of the other side, with the angular
+    speed at their start [rad/s]; and the first sample of a fall."""
+    rotation = np.full(record.time.size, np.nan)
+    windows, where = [], []
+    for part in parts:
+        if part.side == 0:
+            rotation[part.start : part.stop] = 0.0
+        elif record.time[_inner(part, record)].size >= LEAST:
+            windows.append(_window(simulator, model, record, part))
+            where.append(part)
+    if not windows:
+        return rotation, [], record.time.size
+    fitted = fit(simulator, model, [], windows, iterations=10).windows
+    fell = record.time.size
+    times = [record.time[_inner(part, record)] for part in where]
+    answers = simulator.run([model], [
+        Job(0, w.test, np.ascontiguousarray(t), w.start, w.theta, w.omega) for w, t in zip(fitted, times, strict=True)
+    ])  # fmt: skip
+    side_before = {part.stop: part.side for part in parts}
+    changes = []
+    for part, answer, w in zip(where, answers, fitted, strict=True):
+        own = np.where(np.sign(answer.theta) == part.side, answer.theta, np.nan)
+        rotation[_inner(part, record)] = own
+        if side_before.get(part.start) == -part.side:
+            changes.append((part, w.omega))
+        beyond = np.flatnonzero(np.abs(own) > model.block.alpha)
+        if beyond.size and not np.any(np.abs(own[beyond[-1] :]) < model.block.alpha):
+            fell = min(fell, int(np.arange(record.time.size)[_inner(part, record)][beyond[0]]))
+    return rotation, changes, fell
+
+
+def _inner(part: Stretch, record: Record) -> slice:
+    """The samples of a stretch that an impact does not touch."""
+    first = part.start + (NEAR_IMPACT if part.start > 0 else 0)
+    last = part.stop - (NEAR_IMPACT if part.stop < record.time.size else 0)
+    return slice(first, max(first, last))
+
+
+def _window(simulator: Simulator, model: LoopModel, record: Record, part: Stretch) -> Window:
+    """A stretch with a state to start from: of many states those that fit best.
+
+    A stretch begins soon after an impact with little rotation, or with a release without speed.  A run that comes to
+    an impact before the stretch ends fits badly, by jumps that derivatives do not see: hence the scan.
+    """
+    time = record.time[_inner(part, record)]
+    alpha, most = model.block.alpha, 1.5 * model.block.p(model.g) * model.block.alpha
+    released = part.start == 0 and record.kind == "free"
+    since = (NEAR_IMPACT + 0.5) * simulator.tests[record.test].time_step
+    scanned = SCANNED**1.5 * (alpha if released else most)
+    states = [(part.side * x, 0.0) if released else (part.side * x * since, part.side * x) for x in scanned]
+    windows = [
+        cut(
+            record, 0, float(time[0]), float(time[-1]), theta=theta, omega=omega, theta_prior=theta,
+            theta_sd=math.inf if released else max(0.3 * abs(theta), 2e-3), omega_sd=0.0 if released else math.inf,
+        )
+        for theta, omega in states
+    ]  # fmt: skip
+    found = [float(np.mean(np.minimum(np.abs(r), 30.0))) for r in residuals(simulator, model, windows)]
+    return windows[int(np.argmin(found))]
+
+
+def put_right(simulator: Simulator, model: LoopModel, windows: Sequence[Window]) -> tuple[list[Window], int]:
+    """Windows with their states fitted, those that lead nowhere left out, and how many those were.
+
+    A state from which the impact falls on the wrong side of a sample is not mended by derivatives: others about it are
+    tried.
+    """
+    fitted = list(fit(simulator, model, [], windows, iterations=6).windows)
+    for share in (0.9, 1.1, 0.95, 1.05, 0.8, 1.2):
+        off = _far_off(simulator, model, fitted)
+        if not off:
+            break
+        other = fit(
+            simulator, model, [], [fitted[i].moved(share * windows[i].theta, windows[i].omega) for i in off],
+            iterations=6,
+        )  # fmt: skip
+        before = residuals(simulator, model, [fitted[i] for i in off])
+        for i, window, old, new in zip(off, other.windows, before, other.residuals, strict=True):
+            if float(new @ new) < float(old @ old):
+                fitted[i] = window
+    off = _far_off(simulator, model, fitted)
+    return [w for i, w in enumerate(fitted) if i not in off], len(off)
+
+
+def _far_off(simulator: Simulator, model: LoopModel, windows: Sequence[Window]) -> list[int]:
+    rms = np.array([math.sqrt(float(np.mean(r * r))) for r in residuals(simulator, model, windows)])
+    return [int(i) for i in np.flatnonzero(rms > FAR_OFF * max(1.0, float(np.median(rms))))]

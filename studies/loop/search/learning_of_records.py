@@ -1,0 +1,77 @@
+"""What no swing shows and no effect explains: one form without a name, learned of whole records.
+
+In a single swing a mass that moves inside, or a little more loss in each impact, may be less than the sensor's noise;
+in a whole record what it does adds up.  Forms of few coefficients are fitted to whole records, as far as these are
+predictable, from all their starts.  The best ones have to answer what effects that are scanned there have to.
+
+Status   a planted mass inside that leaves nothing in the swings is found (slow test); curves are left out,
+         since whole records are few for their many coefficients
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from studies.loop.fits.fitting import Fit, fit, fit_records
+from studies.loop.models.candidates import Candidate
+from studies.loop.observed.windows import Window
+from studies.loop.records.preparing import Setup
+from studies.loop.search.rounds import Tell
+from studies.loop.swings.learning import inner, memories, unnamed
+from studies.loop.swings.tracing import Trial, bic
+from studies.loop.whole.settling import predictable
+from studies.loop.whole.whole_records import confirmed, ranked
+
+STEPS = 8
+"""Of a fit from each start."""
+
+MOST = 3
+"""Forms that are fitted to the end: those that explain most after these."""
+
+
+def unseen(setup: Setup, plain: Trial, whole: Fit, tell: Tell) -> Trial | None:
+    """The calibrated block with the form without a name that explains whole records best; None if none does.
+
+    whole: its fit on whole records without one.
+    """
+    windows = predictable(whole.windows)
+    if not windows:
+        return None
+    tell("learning of whole records what no swing shows")
+    without = fit_records(setup.simulator, whole.model, plain.every, windows, iterations=STEPS)
+    begun = []
+    for candidate in forms(setup, plain):
+        tell(candidate.name)
+        first = _begun(setup, plain, without, windows, candidate)
+        if first is not None:
+            begun.append((first, candidate))
+    begun.sort(key=lambda pair: bic(pair[0]))
+    found = [
+        rival
+        for first, candidate in begun[:MOST]
+        if (rival := confirmed(setup, plain, whole, without, first, candidate)) is not None
+    ]
+    return ranked(setup, found)[0].trial if found else None
+
+
+def forms(setup: Setup, plain: Trial) -> tuple[Candidate, ...]:
+    """Those that are tried: single coefficients, memories of impacts, and what swings, yields or creeps inside."""
+    declared, released = plain.swing.model.declared, any(test.kind == "free" for test in setup.simulator.tests)
+    return (*unnamed(declared), *memories(declared, plain.swing.windows), *inner(declared, released))
+
+
+def _begun(
+    setup: Setup, plain: Trial, without: Fit, windows: Sequence[Window], candidate: Candidate
+) -> Fit | None:  # fmt: skip
+    """The best of a few steps from all starts of a form, or None if none leads anywhere."""
+    parameters = (*plain.calibrated_with(candidate), *plain.parameters, *candidate.parameters)
+    best: Fit | None = None
+    for start in candidate.starts or (candidate.absent(plain.swing.model.declared),):
+        try:
+            model = without.model.changed({**candidate.fixed, **start})
+            found = fit(setup.simulator, model, parameters, windows, whole=True, iterations=STEPS, central=True)
+        except ValueError:
+            continue  # numbers that do not go together
+        if best is None or found.chi2 < best.chi2:
+            best = found
+    return best

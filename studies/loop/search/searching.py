@@ -1,0 +1,308 @@
+"""Where the search goes: on from effect to effect, back where something is left, and to floors that give last of all.
+
+The effect that explains most by itself may be none of those that act together.  So where something is left over, the
+search goes on from those that came near the first one, too.  Runs on floors that give take so long that what two other
+effects explain is asked first, unless such a floor explains some swings down to their noise.  Where one coefficient
+without a name explains all, and effects that are quickly tried do not, the search goes neither way.
+
+Source   none, own convention
+Status   a planted pair of which one effect came second to a stand-in for both is found (docs/benchmarks.md)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from studies.loop.fits.fitting import Fit
+from studies.loop.models.candidates import Candidate
+from studies.loop.models.names import readable
+from studies.loop.records.preparing import Setup
+from studies.loop.search.revising import set_aside
+from studies.loop.search.rounds import Path, Tell, followed, nothing_of_swings, same, searched
+from studies.loop.swings.learning import terms, unnamed
+from studies.loop.swings.tracing import PAYS, Round, Trial, all_candidates, bic, floor_promises, pays, search
+from studies.loop.whole.remaining import (
+    CLOSELY,
+    by_chance,
+    declared_noise,
+    explains,
+    over_noise,
+    roughly_begun,
+    slips,
+    unexplained,
+)
+from studies.loop.whole.rivals import TWIN
+from studies.loop.whole.whole_fits import whole_fit, whole_fit_from_many
+from studies.loop.whole.whole_records import MISSED, explains_more
+
+NEARLY_FIRST = 0.5
+"""Effects that lower the criterion by this share of what the first one does are gone on from in its place."""
+
+MOST_IN_PLACE_OF_THE_FIRST = 2
+
+NOT_ON_TOP = "floors that give were not tried on top of this; runs take long"
+
+ONE_TERM = "one coefficient without a name leaves nothing over the noise, nor of whole records; runs take long"
+
+OF_THE_ROTATION_SENSOR = ("rotation_gain", "rotation_offset")
+
+
+def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
+    """The path that serves best; after its own rounds come those of the paths that were left.
+
+    Floors that give are tried where the others leave something over the noise, or whole records are missed: from the
+    beginning, and on top of the first effect of a path to which the search went back.
+    """
+    pool = all_candidates(plain.swing.model, setup.campaign.conditions.friction)
+    if not setup.by_rotation:
+        pool = tuple(c for c in pool if c.effect not in OF_THE_ROTATION_SENSOR)
+    begin = Path([plain], [], [whole_fit(setup, plain)])
+    tell("tracing, round 1")
+    opening = searched(setup, plain, pool, tell, later=True)
+    floor = _floor_alone(setup, begin, opening, pool, tell)
+    if floor is not None:
+        return floor
+    first = followed(setup, begin, pool, tell, later=True, begun=[opening], most=1)
+    without_names = _without_names(setup, plain, first, pool, tell)
+    if without_names is not None:
+        return without_names
+    # Where no first effect was accepted there is nothing to go on from.
+    greedy = followed(setup, first, pool, tell, later=True) if len(first.trials) > 1 else first
+    paths = [greedy, *_going_back(setup, greedy, pool, tell)]
+    # One effect alone was left in the first round already.
+    quick = _best(setup, [greedy, *(p for p in paths[1:] if len(p.trials) > 2)])
+    rounds = _merged(paths)
+    if not any(r.put_off for r in rounds) or _nothing_is_left(setup, quick):
+        return _told(setup, quick, paths, greedy, rounds)
+    if _one_term_is_enough(setup, plain, tell):
+        rounds = [replace(r, skipped=r.skipped | {c.name: ONE_TERM for c in r.put_off}) for r in rounds]
+        return _told(setup, quick, paths, greedy, rounds)
+    tell("something is left: again with floors that give")
+    floors = [followed(setup, begin, pool, tell, begun=_to_go_through_again(rounds))]
+    # What stood of the greedy path was gone through again.
+    chosen = floors[0]
+    if quick is not greedy:
+        first = Path(quick.trials[:2], floors[0].rounds[:1], quick.fits[:2])
+        floors.append(followed(setup, first, pool, tell, begun=_to_go_through_again(rounds)))
+        chosen = _best(setup, [quick, *floors])
+    rounds = [_with_reason(r) for r in _merged([*paths, *floors])]
+    return _told(setup, chosen, [*floors, *paths], greedy, rounds)
+
+
+def _floor_alone(
+    setup: Setup, begin: Path, opening: Round, pool: Sequence[Candidate], tell: Tell
+) -> Path | None:  # fmt: skip
+    """The path to a floor that gives, if that alone leaves nothing where all that is quickly tried leaves something.
+
+    opening: the first round, of which swings alone were asked.
+    """
+    if any(nothing_of_swings(setup, t) for t in (opening.onto, *opening.trials)):
+        return None
+    if not declared_noise(setup) or not floor_promises(setup.simulator, opening, tell):
+        return None
+    tell("something is left: asking floors that give")
+    path = followed(setup, begin, pool, tell, begun=_to_go_through_again([opening]), most=1)
+    if not path.last.costly or (setup.by_rotation and path.whole.rms > MISSED):
+        return None
+    alone = explains(setup, path.last, path.whole) or roughly_begun(setup, path.last, path.whole)
+    return path if alone else None
+
+
+def _to_go_through_again(rounds: Sequence[Round]) -> list[Round]:
+    """Rounds of their own; what whole records alone brought in, they are asked for again."""
+    return [
+        replace(r, trials=[t for t in r.trials if r.added(t).in_swings], skipped=dict(r.skipped)) for r in rounds
+    ]  # fmt: skip
+
+
+def _one_term_is_enough(setup: Setup, plain: Trial, tell: Tell) -> bool:
+    """Whether a single coefficient without a name explains swings and whole records.
+
+    Then something acts that has no name, and no floor that gives: such a one is in no single coefficient's reach.  A
+    little more than chance may be left of the swings where whole records are met closely.
+    """
+    if not setup.by_rotation or not declared_noise(setup):
+        return False
+    tell("something is left: asking coefficients without a name")
+    best = search(setup.simulator, plain, terms(plain.swing.model.declared), tell, leading=True).best
+    return best is not None and _enough(setup, best) is not None
+
+
+def _enough(setup: Setup, term: Trial) -> Fit | None:
+    """The fit of a coefficient on whole records, if it explains them and the swings."""
+    if over_noise(setup, term) > unexplained(setup):
+        return None
+    whole = whole_fit(setup, term)
+    return whole if whole.rms < (MISSED if by_chance(setup, term) else CLOSELY) else None
+
+
+def _without_names(
+    setup: Setup, plain: Trial, first: Path, pool: Sequence[Candidate], tell: Tell
+) -> Path | None:  # fmt: skip
+    """The path that goes no further since one coefficient without a name explains what effects with one do not.
+
+    It has to leave nothing where a first effect, and any smooth one on top of it, leave structure; swings have to
+    prefer it by far, and whole records must not refuse it.
+
+    first: the path after its first round.
+    """
+    if not setup.by_rotation or not declared_noise(setup) or explains(setup, first.last, first.whole):
+        return None
+    tell("something is left: asking coefficients without a name")
+    term = search(setup.simulator, plain, unnamed(plain.swing.model.declared), tell, leading=True).best
+    its_whole = _enough(setup, term) if term is not None and pays(plain.swing, term.swing) else None
+    if term is None or its_whole is None:
+        return None
+    path, smooth = first, [c for c in pool if c.smooth]
+    if len(first.trials) > 1:
+        path = followed(setup, first, smooth, tell, later=True, most=2)
+    if explains(setup, path.last, path.whole) or bic(term.swing) > bic(path.last.swing) - PAYS:
+        return None
+    if explains_more(setup, path.whole, its_whole):
+        return None
+    rounds = []
+    for tried in path.rounds:
+        left = list(tried.put_off)
+        if tried.onto is not plain:
+            left += [c for c in pool if not c.smooth and c.effect not in tried.onto.effects]
+        rounds.append(replace(tried, put_off=(), skipped=tried.skipped | {c.name: ONE_TERM for c in left}))
+    return replace(path, rounds=rounds, term=term)
+
+
+def _nothing_is_left(setup: Setup, path: Path) -> bool:
+    """Whether neither swings nor whole records ask for a floor that gives."""
+    if not explains(setup, path.last, path.whole):
+        return False
+    if len(path.last.parts) < 2 and not slips(path.last):
+        return True
+    # Two effects may stand in for a floor in the swings, but for the end of records hardly. Where a block slips what is
+    # left is a median over the windows, and says nothing of a minority of them; whole records do.
+    met = path.whole.rms < MISSED
+    return met if slips(path.last) else by_chance(setup, path.last) and (met or not setup.by_rotation)
+
+
+def _going_back(setup: Setup, greedy: Path, pool: Sequence[Candidate], tell: Tell) -> list[Path]:
+    """Where a path leaves something, those from effects that came near its first one, up to one that leaves nothing."""
+    found: list[Path] = []
+    if len(greedy.trials) < 2 or _leaves_nothing(setup, greedy):
+        return found
+    for trial in _near_the_first(greedy):
+        tell(f"something is left: again from {trial.names[-1]}")
+        begin = Path([greedy.trials[0], trial], greedy.rounds[:1], [greedy.fits[0], whole_fit(setup, trial)])
+        found.append(followed(setup, begin, pool, tell, later=True))
+        if len(found[-1].trials) > 2 and _leaves_nothing(setup, found[-1]):
+            break
+    return found
+
+
+def _leaves_nothing(setup: Setup, path: Path) -> bool:
+    """Whether swings leave no more than noise does by chance, and whole records are met.
+
+    What a stand-in leaves of two effects is little.  Where noise is estimated, or a block slips, less can be asked.
+    """
+    if slips(path.last) or not declared_noise(setup):
+        return explains(setup, path.last, path.whole)
+    return by_chance(setup, path.last) and not (setup.by_rotation and path.whole.rms > MISSED)
+
+
+def _near_the_first(path: Path) -> list[Trial]:
+    """Of the first round the trials of other effects that came near the best one, one of each effect."""
+    plain = path.trials[0]
+    others = [t for t in path.rounds[0].trials if not t.costly and pays(plain.swing, t.swing)]
+    ranked = sorted(others, key=lambda t: bic(t.swing))
+    enough = NEARLY_FIRST * max(bic(plain.swing) - bic(t.swing) for t in (path.trials[1], *ranked))
+    best: dict[tuple[str, ...], Trial] = {}
+    for trial in ranked:
+        # What the path took later is looked at again by itself (`revising`).
+        if not set(trial.effects) & set(path.last.effects) and bic(plain.swing) - bic(trial.swing) > enough:
+            best.setdefault(trial.effects, trial)
+    return list(best.values())[:MOST_IN_PLACE_OF_THE_FIRST]
+
+
+def _best(setup: Setup, paths: Sequence[Path]) -> Path:
+    """The path that serves best, the first one if none does better by far."""
+    best = paths[0]
+    for path in paths[1:]:
+        # What is more than the best one has was tried on top of it.
+        more = set(best.last.names) < set(path.last.names)
+        if not more and _serves_better(setup, path, best):
+            best = path
+    return best
+
+
+def _serves_better(setup: Setup, one: Path, other: Path) -> bool:
+    """Whether swings or whole records speak for one path against another by far, and the others do not against it."""
+    by = _by_swings(one, other)
+    if not setup.by_rotation:
+        return by > 0
+    if by > 0:
+        return not explains_more(setup, other.whole, one.whole)
+    if by < 0 or not explains_more(setup, one.whole, other.whole):
+        return False
+    # Whole records are rugged: the one that they would refuse is fitted to them from more starts first.
+    return explains_more(setup, one.whole, whole_fit_from_many(setup, other.last, other.whole))
+
+
+def _by_swings(one: Path, other: Path) -> int:
+    """1 where swings speak for one path against another by far, -1 where for the other, 0 where for neither."""
+    better, worse = sorted((one.last.swing, other.last.swing), key=bic)
+    if bic(worse) - bic(better) <= PAYS * max(1.0, better.chi2 / max(better.samples, 1)):
+        return 0
+    return 1 if better is one.last.swing else -1
+
+
+def _told(
+    setup: Setup, chosen: Path, paths: Sequence[Path], greedy: Path, rounds: Sequence[Round]
+) -> Path:  # fmt: skip
+    """The path with the rounds of all, its own first, and what is to be said of those that were left."""
+    names, said, refused = _named(chosen.last), list[str](), set[frozenset[str]]()
+    for path in paths:
+        its, mine = set(path.last.names), set(chosen.last.names)
+        if its <= mine or mine <= its:
+            continue
+        if abs(bic(path.last.swing) - bic(chosen.last.swing)) < TWIN:
+            alike = f"swings do not tell {_named(path.last)} from {names}"
+            by_whole = setup.by_rotation and explains_more(setup, chosen.whole, path.whole)
+            said.append(f"{alike}; whole records speak for the latter" if by_whole else alike)
+        elif _by_swings(path, chosen) > 0 and setup.by_rotation and explains_more(setup, chosen.whole, path.whole):
+            refused.add(frozenset(path.last.names))
+            said.append(
+                f"{_named(path.last)} would explain more of the swings than {names}; whole records speak against it"
+            )
+    left = greedy.trials[1] if greedy.last.names else greedy.last
+    together = len(chosen.last.names) > 1 and not set(left.names) & set(chosen.last.names)
+    if together and left is greedy.rounds[0].best and not any(_named(left) in text for text in said):
+        said.append(f"{_named(left)} explains most by itself, {names} explain more together")
+    own = []
+    for k, tried in enumerate(chosen.rounds):
+        everything = next(r for r in rounds if same(r.onto, tried.onto))
+        own.append(_holding(everything, chosen.trials[k + 1]) if k + 1 < len(chosen.trials) else everything)
+    others = [set_aside(r, refused) for r in rounds if not any(same(r.onto, mine.onto) for mine in own)]
+    return replace(chosen, rounds=[*own, *others], said=tuple(dict.fromkeys(said)))
+
+
+def _named(trial: Trial) -> str:
+    return " with ".join(map(readable, trial.names))
+
+
+def _merged(paths: Iterable[Path]) -> list[Round]:
+    """All rounds, once each: of several on top of the same trial what was tried in any of them."""
+    out: list[Round] = []
+    for tried in (r for path in paths for r in path.rounds):
+        k = next((i for i, known in enumerate(out) if same(known.onto, tried.onto)), None)
+        if k is None:
+            out.append(tried)
+        elif out[k] is not tried:
+            out[k] = replace(out[k].updated(tried), put_off=tried.put_off)
+    return out
+
+
+def _holding(tried: Round, trial: Trial) -> Round:
+    """The round with this trial among what was tried, in the place of one of the same effects."""
+    return replace(tried, trials=[*(t for t in tried.trials if t.names != trial.names), trial])
+
+
+def _with_reason(tried: Round) -> Round:
+    """The round; floors that were not tried on top of it say why."""
+    return replace(tried, skipped=tried.skipped | {c.name: NOT_ON_TOP for c in tried.put_off})

@@ -1,0 +1,1 @@
+"""What single swings tell: one effect, or one learned coefficient, tried on top of another model."""

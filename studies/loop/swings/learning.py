@@ -1,0 +1,312 @@
+"""What no candidate explains: the residual learned as a term, one coefficient after the other.
+
+Each coefficient of `rocking.effects.learned_term`, a drift of restitution from test to test, the curves of
+`rocking.effects.learned_curve` and of `rocking.effects.learned_damping`, the restitution with a memory of
+`rocking.effects.learned_memory`, the bend of the sensor of `rocking.effects.learned_reading`, the mass inside of
+`rocking.effects.learned_mode` and the torque that lags of `rocking.effects.learned_hysteresis` are parameters whose
+default is nothing, fitted with the same machinery as the effects.  The greedy search stops when the next one does not
+lower the residual by `LEAST_GAIN`.
+
+Status   two modes, and two of what swings, yields or remembers at once, are outside of the span.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from rocking import G_STANDARD
+from rocking.effects.learned_curve import EVEN, ODD
+from rocking.effects.learned_damping import DAMPING
+from studies.campaigns import DeclaredBlock
+from studies.campaigns.swings import OPEN
+from studies.loop.models.candidates import Candidate
+from studies.loop.models.model import DRIFT
+from studies.loop.models.parameters import Parameter
+from studies.loop.observed.windows import SIDE, Window
+from studies.loop.runs.simulation import Simulator
+from studies.loop.swings.tracing import PAYS, Trial, bic, pays, search
+
+LEAST_GAIN = 0.03
+"""Share by which the rms of the swings has to fall for one more coefficient."""
+
+LEAST_LEFT = 0.98
+"""Rms of the swings over what pure noise leaves of them that no term brings them below: two standard deviations."""
+
+LITTLE_LEFT = 1.05
+"""Rms of the swings over what pure noise leaves of them below which no forms are tried whose states go on from swing
+to swing: their runs take long."""
+
+MOST_TERMS = 4
+
+MOST_ALIKE = 4
+"""Forms that swings hardly tell from what was learned of them that whole records are asked about."""
+
+FEW = 2
+"""Coefficients and curves that are the better answer where they leave no more than noise, whatever else would."""
+
+HOPELESS = 1
+"""Coefficients after which half of what is to be reached has to be."""
+
+TERM, CURVE, LOSS, MEMORY, READING, MODE, HYSTERESIS = LEARNED = (
+    "learned_term", "learned_curve", "learned_damping", "learned_memory", "learned_reading", "learned_mode",
+    "learned_hysteresis",
+)  # fmt: skip
+"""Effects that say how a residual looks and not what it comes from."""
+
+WITH_A_NAME = frozenset(f"{TERM}.{name}" for name in ("bias", "damping", "drag", "base", "restitution_speed"))
+"""Coefficients that are effects with a name."""
+
+FREEDOMS = (MEMORY, MODE, HYSTERESIS)
+"""Those of them with states of their own, of which a block has one set."""
+
+FURTHEST = 1.02
+"""Where a curve ends, over the largest peak of the swings."""
+
+NEAR_UPRIGHT = 0.2
+"""And where one ends that acts near upright."""
+
+MODES = (0.5, 1.0, 2.0, 4.0, 8.0)
+"""Circular frequencies over the block's p from which a mode is tried."""
+
+HIGHEST = 2.0
+"""Height of a mass inside over that of the centre of mass that is not passed."""
+
+WIDTHS = (0.02, 0.1, 0.5)
+"""Strains over the slenderness angle at which something may slip."""
+
+TIMES = (0.1, 0.5, 2.0)
+"""Times over 1/p in which something may relax."""
+
+
+def terms(block: DeclaredBlock) -> tuple[Candidate, ...]:
+    """Every coefficient as a candidate, with sizes that a usual campaign would show."""
+    p2, alpha = block.p() ** 2, block.alpha
+    omega = 0.5 * block.p() * alpha
+    torque = 0.02 * p2 * alpha
+    sizes = {
+        "bias": torque,
+        "side": torque,
+        "spring": torque / alpha,
+        "cubic": torque / alpha**3,
+        "friction": torque,
+        "damping": torque / omega,
+        "side_damping": torque / omega,
+        "drag": torque / omega**2,
+        "cubic_damping": torque / omega**3,
+        "base": 0.01 * p2 / 9.81,
+        "restitution_side": 0.01,
+        "restitution_speed": 0.01 / omega,
+        "restitution_square": 0.01 / omega**2,
+        "structural": torque / alpha,
+        "side_friction": torque,
+        "outward": torque / omega,
+    }
+    found = {name: _term(f"{TERM}.{name}", size) for name, size in sizes.items()}
+    # What rubs or drags on one side alone is half of each of two coefficients, neither of which tells much by itself.
+    by_side = (
+        Candidate(
+            f"learned[{name} by side]", TERM, (*found[name].parameters, *found[f"side_{name}"].parameters), (), {}
+        )
+        for name in ("friction", "damping")
+    )
+    return (*found.values(), *by_side, _term(DRIFT, 0.002))
+
+
+def unnamed(block: DeclaredBlock) -> list[Candidate]:
+    """Single coefficients that are none of the effects with a name."""
+    return [c for c in terms(block) if not WITH_A_NAME & {p.name for p in c.parameters} or len(c.parameters) > 1]
+
+
+def _term(full: str, size: float) -> Candidate:
+    parameter = Parameter(full, size, -50.0 * size, 50.0 * size)
+    name = full if full == DRIFT else f"learned[{full.partition('.')[2]}]"
+    return Candidate(name, TERM, (parameter,), (), {})  # it enters linearly: nothing is start enough
+
+
+def readings(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
+    """What a rotation sensor adds to the rotation, where one was read."""
+    if not any(
+        not w.accelerometers or any(c.kind == "rotation" and c is not SIDE for c in w.channels) for w in windows
+    ):
+        return ()
+    sizes = {"square": 0.02 / block.alpha, "cubic": 0.02 / block.alpha**2}
+    found = (Parameter(f"{READING}.{name}", size, -10.0 * size, 10.0 * size) for name, size in sizes.items())
+    return tuple(Candidate(f"learned[reading {p.name.partition('.')[2]}]", READING, (p,), (), {}) for p in found)
+
+
+def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
+    """Torques and dampings of any shape against rotation: near upright, or as far as the swings go.
+
+    Torques alike on both sides or not.
+    """
+    p, alpha = block.p(), block.alpha
+    torque = 0.02 * p**2 * alpha
+    reach = min(FURTHEST * max(abs(w.theta) for w in windows), 0.5 * math.pi)
+    shapes = (("near upright", NEAR_UPRIGHT, 4), ("smooth", 1.0, 4), ("fine to the middle", 0.5, 8), ("fine", 1.0, 16))
+    kinds = (
+        ("curve alike on both sides", CURVE, "odd_", ODD, torque),
+        ("curve by side", CURVE, "even_", EVEN, torque),
+        ("damping by rotation", LOSS, "", DAMPING, torque / (0.5 * p * alpha)),
+    )
+    found = []
+    for label, effect, kind, names, size in kinds:
+        for shape, share, n in shapes:
+            own = tuple(Parameter(f"{effect}.{name}", size, -50.0 * size, 50.0 * size) for name in names[: n + 1])
+            fixed = {f"{effect}.{kind}reach": share * reach, f"{effect}.{kind}intervals": float(n)}
+            found.append(Candidate(f"learned[{label}, {shape}]", effect, own, (), fixed))
+    return tuple(found)
+
+
+def memories(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
+    """A restitution that depends on the number of impacts before, or on how long ago the last one was.
+
+    Those count that end a swing, as in a record: smaller ones are not seen there, and may be hundreds in a run.
+    """
+    noise = max((float(w.noise.max()) for w in windows if not w.accelerometers), default=0.0)
+    speed = {f"{MEMORY}.least_speed": block.p() * math.sqrt(2.0 * block.alpha * OPEN * noise)}
+    found = []
+    for label, depth, span, sizes in (
+        ("of the first impacts", "first", "first_impacts", (2.0, 8.0)),
+        ("after a short pause", "recent", "recent_time", (0.5 / block.p(), 1.5 / block.p())),
+    ):
+        d, w = f"{MEMORY}.{depth}", f"{MEMORY}.{span}"
+        low, high = 0.25 * sizes[0], 4.0 * sizes[1]
+        starts = tuple({d: size, w: width} for width in sizes for size in (0.01, -0.01))
+        own = (Parameter(d, 0.01, -0.5, 0.5), Parameter(w, 0.3, low, high, log=True))
+        found.append(Candidate(f"learned[restitution {label}]", MEMORY, own, starts, speed))
+    return tuple(found)
+
+
+def inner(block: DeclaredBlock, released: bool) -> tuple[Candidate, ...]:
+    """What goes on in time within a block or beside it: a mass that swings, something that slips or that creeps.
+
+    None enters linearly but by its size, which is what is fitted first.
+
+    released: whether a block was let go from a lean, to which it had been pulled.
+    """
+    H = block.centre_height
+    # Within the block, and with less than the moment of inertia of the whole.
+    heaviest = min(0.4, 0.8 * (block.I_c / block.mass + H**2) / ((HIGHEST * H) ** 2 + (0.5 * block.breadth) ** 2))
+    p, alpha, moment = block.p(), block.alpha, block.mass * G_STANDARD * block.R
+    size, height, frequency, damping = (
+        f"{MODE}.{name}" for name in ("mass_ratio", "height_ratio", "frequency", "damping_ratio")
+    )
+    swinging = Candidate(
+        "learned[mode]", MODE,
+        (
+            Parameter(size, 0.005, 0.0, heaviest), Parameter(height, 0.2, 0.0, HIGHEST),
+            Parameter(frequency, 0.1, 0.02 * p, 3.0 * p, log=True), Parameter(damping, 0.3, 1e-3, 3.0, log=True),
+        ),
+        tuple({size: 0.005, height: 1.0, frequency: share * p / (2.0 * math.pi), damping: 0.1} for share in MODES),
+        {}, smooth=False, scouts=(size,),
+    )  # fmt: skip
+    size, width, time, strained = (f"{HYSTERESIS}.{name}" for name in ("stiffness", "width", "time", "strained"))
+    held = Parameter(size, 0.01 * moment, 0.0, 100.0 * moment)
+    pulled = (Parameter(strained, 0.3, 0.0, 1.0),) if released else ()
+    half = {strained: 0.5} if released else {}
+    slipping = Candidate(
+        "learned[hysteresis]", HYSTERESIS,
+        (held, Parameter(width, 0.3, 1e-4 * alpha, 10.0 * alpha, log=True), *pulled),
+        tuple({size: 0.02 * moment, width: share * alpha, **half} for share in WIDTHS),
+        {}, smooth=False, scouts=(size,),
+    )  # fmt: skip
+    creeping = Candidate(
+        "learned[relaxation]", HYSTERESIS,
+        (held, Parameter(time, 0.3, 1e-3 / p, 1e3 / p, log=True), *pulled),
+        tuple({size: 0.02 * moment, time: share / p, **half} for share in TIMES),
+        {}, smooth=False, scouts=(size,),
+    )  # fmt: skip
+    return swinging, slipping, creeping
+
+
+def open_to(trial: Trial, pool: Sequence[Candidate]) -> list[Candidate]:
+    """Those of a pool that have no parameter of the trial, and no states of their own beside what has some already."""
+    fitted, within = {p.name for p in trial.parameters}, {effect for effect in trial.effects if effect in FREEDOMS}
+    return [
+        c for c in pool
+        if not fitted & {p.name for p in c.parameters} and (c.effect not in FREEDOMS or within <= {c.effect})
+    ]  # fmt: skip
+
+
+def learn(
+    simulator: Simulator, onto: Trial, tell: Callable[[str], None], rival: Trial | None = None, going_on: bool = True
+) -> Trial:
+    """The trial with the coefficients that pay; itself if none does.
+
+    rival: what has to be reached; the search ends early where it plainly is not.
+    going_on: whether forms with states that go on from swing to swing are tried too, where `FEW` without leave more
+        than noise; their runs take long.
+    """
+    declared, released = onto.swing.model.declared, any(test.kind == "free" for test in simulator.tests)
+    at_hand = _at_hand(onto)
+    known: dict[tuple[str, ...], Trial | None] = {}
+    found = _grown(simulator, onto, [(at_hand, known)], tell, rival, FEW if going_on else MOST_TERMS)
+    if not going_on or not _more_to_learn(found) or _over_noise(found) < LITTLE_LEFT:
+        return found
+    return _grown(simulator, onto, [(at_hand, known), (inner(declared, released), {})], tell, rival, MOST_TERMS)
+
+
+def _at_hand(onto: Trial) -> tuple[Candidate, ...]:
+    """What has no states that go on from swing to swing."""
+    declared, windows = onto.swing.model.declared, onto.swing.windows
+    return (*terms(declared), *(c for form in (readings, profiles, memories) for c in form(declared, windows)))
+
+
+def alike(simulator: Simulator, without: Trial, found: Trial, tell: Callable[[str], None]) -> list[Trial]:
+    """What swings hardly tell from what was learned last, the best first.
+
+    without: the trial without that.
+    """
+    last = found.parts[-1]
+    others = [c for c in open_to(without, _at_hand(without)) if c.name != last.name]
+    tried = search(simulator, without, others, tell, repeated=True, leading=True).trials
+    near = [t for t in tried if bic(t.swing) < bic(found.swing) + PAYS]
+    return sorted(near, key=lambda t: bic(t.swing))[:MOST_ALIKE]
+
+
+def _grown(
+    simulator: Simulator,
+    onto: Trial,
+    pools: Sequence[tuple[Sequence[Candidate], dict[tuple[str, ...], Trial | None]]],
+    tell: Callable[[str], None],
+    rival: Trial | None,
+    most: int,
+) -> Trial:
+    """The trial with the best of the pools added to it, one after the other, as long as they pay.
+
+    pools: each with what was the best of it on top of trials with such names; more is noted there.
+    """
+    current = onto
+    for count in range(most):
+        gained = onto.swing.chi2 - current.swing.chi2
+        if rival is not None and count >= HOPELESS and gained < 0.5 * (onto.swing.chi2 - rival.swing.chi2):
+            break
+        if not _more_to_learn(current):
+            break
+        for pool, known in pools:
+            if current.names not in known:
+                left = open_to(current, pool)
+                known[current.names] = search(simulator, current, left, tell, repeated=True, leading=True).best
+        bests = [known[current.names] for _, known in pools]
+        best = min((t for t in bests if t is not None), key=lambda t: bic(t.swing), default=None)
+        if best is None or not pays(current.swing, best.swing):
+            break
+        if best.swing.rms > (1.0 - LEAST_GAIN) * current.swing.rms or not np.isfinite(best.swing.rms):
+            break
+        current = best
+    return current
+
+
+def _more_to_learn(trial: Trial) -> bool:
+    """Whether a term that lowers the rms of the swings enough would not bring it below that of noise."""
+    return _over_noise(trial) * (1.0 - LEAST_GAIN) >= LEAST_LEFT
+
+
+def _over_noise(trial: Trial) -> float:
+    """Rms of the swings over what pure noise leaves of them."""
+    swings = trial.swing
+    left = 1.0 - (2 * len(swings.windows) + len(swings.parameters)) / max(swings.samples, 1)
+    return swings.rms / math.sqrt(left) if left > 0.0 else math.inf

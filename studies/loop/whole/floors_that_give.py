@@ -1,0 +1,82 @@
+"""Floors that give: swings and whole records brought to one minimum.
+
+Their sums of squares have minima close together, those of whole records in the stiffness along the floor above all.
+Runs take long, so that each is fitted from a few starts; where either led to what the other one prefers, that is fitted
+again.
+
+Status   planted floors (studies/loop_trials.py), and the order of fits with stubs (tests)
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from studies.loop.fits.fitting import Fit, fit, fit_records
+from studies.loop.models.parameters import Parameter
+from studies.loop.observed.windows import Window
+from studies.loop.records.preparing import Setup
+from studies.loop.swings.tracing import PAYS, Trial
+from studies.loop.whole.whole_fits import HORIZONS, all_at_once, beginnings, begun, borne, whole_fit
+
+APART = (0.4, 2.5)
+"""Times the stiffness along the floor from which other minima of whole records are looked for."""
+
+SAME = 0.2
+"""Minima whose stiffnesses along the floor are so near, by their logarithms, are one."""
+
+
+def in_agreement(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit]:
+    """The trial and its fit on whole records, both in the minimum that serves both best of those that were found."""
+    again = from_whole_records(setup, trial, whole)
+    if again is not trial:
+        trial, whole = again, whole_fit(setup, again)
+    return _elsewhere(setup, trial, whole) or (trial, whole)
+
+
+def from_whole_records(setup: Setup, trial: Trial, whole: Fit) -> Trial:
+    """The trial, its swings fitted anew from where whole records led if that explains them better by far.
+
+    On a floor that gives they have minima close together, too, and were fitted from a few starts.
+    """
+    there = fit(setup.simulator, whole.model, [], trial.swing.windows, iterations=3)
+    if there.chi2 > trial.swing.chi2 - PAYS:
+        return trial
+    return replace(trial, swing=fit(setup.simulator, whole.model, trial.every, there.windows, iterations=12))
+
+
+def _elsewhere(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit] | None:
+    """The same in another minimum of whole records, if they prefer that by far and swings do not refuse it."""
+    along = next((p for part in trial.parts for p in part.parameters if p.name == part.minima_in), None)
+    apart = [] if along is None else _begun_apart(setup, trial, whole, along)
+    if not apart:
+        return None
+    first, windows = min(apart, key=lambda pair: pair[0].chi2)
+    parts = beginnings(whole.windows, HORIZONS[-1])
+    if fit_records(setup.simulator, whole.model, [], [*parts.values()], iterations=4).chi2 < first.chi2:
+        return None
+    leans = fit_records(setup.simulator, first.model, [], windows, iterations=4)
+    found = all_at_once(setup, trial, leans)
+    if found.chi2 > whole.chi2 - PAYS * found.spread or not borne(setup, trial, found):
+        return None
+    there = fit(setup.simulator, found.model, [], trial.swing.windows, iterations=3)
+    swing = fit(setup.simulator, found.model, trial.every, there.windows, iterations=12)
+    return replace(trial, swing=swing), found
+
+
+def _begun_apart(setup: Setup, trial: Trial, whole: Fit, along: Parameter) -> list[tuple[Fit, list[Window]]]:
+    """Beginnings of whole records fitted from other stiffnesses along the floor, as `begun` gives them.
+
+    Those that lead back to where whole records are go no further.
+    """
+    value, apart = whole.model.get(along.name), []
+    for times in APART:
+        start = whole.model.changed({along.name: min(max(times * value, along.low), along.high)})
+        found, windows = replace(whole, model=start), list(whole.windows)
+        for share in HORIZONS:
+            found, windows = begun(setup, trial, replace(whole, model=found.model, windows=tuple(windows)), [share])
+            if abs(math.log(found.model.get(along.name) / value)) < SAME:
+                break
+        else:
+            apart.append((found, windows))
+    return apart

@@ -1,0 +1,123 @@
+"""What a trial leaves over: in the swings, and in whole records.
+
+Status   where noise is declared; an estimated one is taken from the records themselves, and leaves room for less.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from studies.loop.fits.fitting import Fit
+from studies.loop.fits.linearising import ROBUST
+from studies.loop.observed.windows import PEAK_OVER_NOISE, SIDE
+from studies.loop.records.preparing import Setup
+from studies.loop.swings.tracing import Trial
+
+MISSED_BY_FAR = 3.0
+"""Rms of whole records over their noise that cannot be called explained."""
+
+MISSED_RECORDS = 2
+"""So many of them have to be missed so: one may be lost to an impact that hung on the noise of the base."""
+
+CLOSELY = 1.1
+"""Rms of whole records over their noise below which laws of loss with a name, and two effects, are not doubted, nor is
+one coefficient without a name."""
+
+STRUCTURE = 1.03
+"""Rms in the swings over what the noise leaves of it from which structure is left: four of its standard deviations in
+ten thousand samples."""
+
+STRUCTURE_OF_ESTIMATED = 1.08
+"""The same where the noise is not declared but estimated from the records."""
+
+CHANCE = 2.0
+"""Standard deviations of the sum of squares of noise alone, within which nothing is left."""
+
+UNEXPLAINED = 1.05
+"""And from which it is too much to speak of an effect alone even where nothing can be learned."""
+
+UNEXPLAINED_OF_ESTIMATED = 1.3
+"""The same where the noise is estimated."""
+
+
+def over_noise(setup: Setup, trial: Trial) -> float:
+    """Rms of the swings over what is left of pure noise once each window has fitted its two states.
+
+    Swings that the trial itself takes for less than one are left out, as they would have been from the beginning: with
+    the zero of a sensor off, a hop at rest looks like a swing, and hangs on the noise of the base.  Where a block
+    slips, some windows begin with a slip that could not be carried over to them as it was: of those trials it is the
+    median over the windows, so that structure has to be in half of them to be seen.
+    """
+    swing = trial.swing
+    if slips(trial):
+        return math.sqrt(float(np.median([r @ r / max(r.size - 2, 1) for r in swing.residuals])))
+    left = [swing.residuals[i] for i in swings_that_count(setup, trial)]
+    samples = sum(r.size for r in left)
+    free = 2 * len(left) + len(swing.parameters)
+    return math.sqrt(sum(float(r @ r) for r in left) / max(samples - free, 0.1 * samples, 1.0))
+
+
+def by_chance(setup: Setup, trial: Trial) -> bool:
+    """Whether the swings are explained down to what noise alone leaves of them: within `CHANCE` standard deviations.
+
+    Where noise is estimated, or a block slips, what is left says less than that (`over_noise`).
+    """
+    if slips(trial) or not declared_noise(setup):
+        return False
+    swing, counting = trial.swing, swings_that_count(setup, trial)
+    free = 2 * len(counting) + len(swing.parameters)
+    samples = sum(swing.residuals[i].size for i in counting)
+    return over_noise(setup, trial) ** 2 < 1.0 + CHANCE * math.sqrt(2.0 / max(samples - free, 1))
+
+
+def swings_that_count(setup: Setup, trial: Trial) -> list[int]:
+    """Indices of the windows that the trial itself does not take for less than a swing."""
+    least = {record.test: PEAK_OVER_NOISE * record.noise for record in setup.records}
+    return [i for i, w in enumerate(trial.swing.windows) if abs(w.theta) > least[w.test]]
+
+
+def explains(setup: Setup, trial: Trial, whole: Fit) -> bool:
+    """Whether a trial leaves nothing in the swings, nor in whole records of the rotation."""
+    return not (setup.by_rotation and missed(whole)) and over_noise(setup, trial) < structure(setup)
+
+
+def roughly_begun(setup: Setup, trial: Trial, whole: Fit) -> bool:
+    """Whether what swings on a floor that gives leave is that of how they begin.
+
+    How the floor gave before a swing began no rotation shows, and it is carried over but roughly.  Whole records hold
+    the same samples and begin from a lean or from rest, of which nothing is unknown: where these are met closely, what
+    is left of swings says nothing.
+    """
+    return trial.costly and setup.by_rotation and whole.rms < CLOSELY
+
+
+def missed(whole: Fit) -> bool:
+    """Whether whole records cannot be called explained."""
+    missed = int(np.count_nonzero(whole.by_window > MISSED_BY_FAR))
+    return whole.rms > MISSED_BY_FAR and missed >= min(MISSED_RECORDS, len(whole.by_window))
+
+
+def rms_but_for_one(whole: Fit) -> float:
+    """Rms of whole records over their noise, but for a single one that is lost: it may hang on the base's noise."""
+    lost = whole.by_window > ROBUST
+    if np.count_nonzero(lost) != 1 or lost.size < MISSED_RECORDS + 1:
+        return whole.rms
+    return math.sqrt(float(np.mean(whole.by_window[~lost] ** 2)))
+
+
+def slips(trial: Trial) -> bool:
+    return any(part.slips for part in trial.parts)
+
+
+def structure(setup: Setup) -> float:
+    return STRUCTURE if declared_noise(setup) else STRUCTURE_OF_ESTIMATED
+
+
+def unexplained(setup: Setup) -> float:
+    return UNEXPLAINED if declared_noise(setup) else UNEXPLAINED_OF_ESTIMATED
+
+
+def declared_noise(setup: Setup) -> bool:
+    return all(c.noise for record in setup.records for c in record.channels if c is not SIDE)
