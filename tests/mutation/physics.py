@@ -188,13 +188,17 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("excitation/units.py", ("test_readers", "test_record")),
     ("excitation/rotation.py", ("test_processing", "test_record")),
     ("excitation/*.py", ("test_processing", "test_synthetic", "test_motion_contract")),
-    ("studies/laboratory/slip.py", ("loop/test_laboratory_slip", "loop/test_laboratory_campaigns")),
-    ("studies/laboratory/contact.py", ("loop/test_laboratory_contact", "loop/test_laboratory_campaigns")),
-    ("studies/laboratory/by_dem.py", ("loop/test_laboratory_by_dem",)),
-    ("studies/laboratory/by_mujoco.py", ("loop/test_laboratory_by_mujoco",)),
+    ("studies/laboratory/slip.py", ("laboratory/test_laboratory_slip", "laboratory/test_laboratory_campaigns")),
+    ("studies/laboratory/contact.py", ("laboratory/test_laboratory_contact", "laboratory/test_laboratory_campaigns")),
+    ("studies/laboratory/by_dem.py", ("laboratory/test_laboratory_by_dem",)),
+    ("studies/laboratory/by_mujoco.py", ("laboratory/test_laboratory_by_mujoco",)),
     (
         "studies/laboratory/*.py",
-        ("loop/test_laboratory_event", "loop/test_laboratory_instruments", "loop/test_laboratory_campaigns"),
+        (
+            "laboratory/test_laboratory_event",
+            "laboratory/test_laboratory_instruments",
+            "laboratory/test_laboratory_campaigns",
+        ),
     ),
     ("studies/criteria/overturning.py", ("test_overturning", "test_fig16")),
     ("studies/criteria/free_vibration.py", ("test_free_vibration", "test_fig16")),
@@ -251,7 +255,7 @@ def groups(root: Path, file: str) -> list[list[str]]:
     commands = {p.stem: [p] for p in (root / "studies").glob("*.py")}
     commands |= {p.parent.name: sorted(p.parent.glob("*.py")) for p in (root / "studies").glob("*/__main__.py")}
     users = [name for name in sorted(commands) if any(_uses(p.read_text(), stem) for p in commands[name])]
-    kept = [path for path in rest if path.startswith(("tests/studies/test_", "tests/studies/loop/test_laboratory"))]
+    kept = [path for path in rest if path.startswith(("tests/studies/test_", "tests/studies/laboratory/"))]
     parts = [
         [path for path in first if path != every],
         [every, "-k", " or ".join([stem, *users])],
