@@ -4,6 +4,7 @@ effects            the heads of the files in rocking/effects
 figures            the heads of the figures in studies
 benchmarks         benchmarks/results/*.csv, each with what its script says it is
 checks PREFIX      docs/results/checks.csv, the test files whose path starts so
+loop_series        benchmarks/results/loop_trials.csv, counted by series
 anchors            the checks of docs/results/checks.csv that are named in docs/results/anchors.csv
 """
 
@@ -14,6 +15,7 @@ from typing import Any
 
 from effect_heads import effects_text
 from figure_heads import figures_text
+from loop_series import series_text
 from result_tables import anchors_text, benchmarks_text, checks_text
 from sphinx.application import Sphinx
 
@@ -24,6 +26,7 @@ MAKERS = {
     "benchmarks": benchmarks_text,
     "checks": checks_text,
     "anchors": anchors_text,
+    "loop_series": series_text,
 }
 
 
