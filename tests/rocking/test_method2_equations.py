@@ -1,6 +1,7 @@
 """Method 2: motion and contact forces within each mode, against Newton's law for a free rectangle with constraints."""
 
 import math
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rocking import Block, Method2, Mode, scalars
+from rocking.form import Form
 from rocking.hybrid import Base, Discrete
 
 G0 = 9.81
@@ -238,3 +240,15 @@ def test_a_sliding_corner_never_jams_below_a_friction_of_four_thirds(s: float, s
     assert max(normal) <= worst * (1.0 + 1e-9)
     with pytest.raises(ValueError, match="4/3"):
         model(b, h, 4.0 / 3.0)
+
+
+# Of any mass: D = 1 + (1 - sqrt(1 + mu^2)) R^2 / (2 rho^2) at the worst tilt, zero at mu^2 = (1 + 2 rho^2 / R^2)^2 - 1.
+@pytest.mark.parametrize("scale", [0.01, 1.0, 100.0])
+@pytest.mark.parametrize("heavy", [0.4, 0.75, 1.3])
+def test_a_form_is_refused_from_the_friction_on_at_which_a_sliding_corner_jams(scale: float, heavy: float) -> None:
+    block = Block(b=0.2 * scale, h=0.8 * scale)
+    form = replace(Form.of(block), inertia=heavy * block.I_c)
+    most = math.sqrt((1.0 + 2.0 * form.rho2 / block.R**2) ** 2 - 1.0)
+    Method2(block, friction=0.999 * most, g=G0, form=form)
+    with pytest.raises(ValueError, match=r"may jam, or math\.inf"):
+        Method2(block, friction=1.001 * most, g=G0, form=form)

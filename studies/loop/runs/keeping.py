@@ -12,6 +12,7 @@ import hashlib
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -26,39 +27,46 @@ FOLDER = ".fits"
 """Where they are, within the folder of --out."""
 
 
-def _fed(digest: Any, item: Any) -> None:
-    """Everything that an object says of itself, and its type, into a digest.
+@cache
+def _names_of(kind: Any) -> tuple[str, ...] | None:
+    """Names of the fields of a dataclass; None for any other type."""
+    return tuple(each.name for each in fields(kind)) if is_dataclass(kind) else None
+
+
+def _said(item: Any, known: dict[int, tuple[Any, bytes]]) -> bytes:
+    """Everything that an object says of itself, and its type.
+
+    known: others and what they said, by identity: windows of one record share most of what they hold.
 
     Raises:
         TypeError: it is of a kind of which nothing is known.
     """
-    item = item.item() if isinstance(item, np.generic) else item
-    digest.update(type(item).__name__.encode() + b"(")
+    kind: Any = type(item)
+    if kind is not float and isinstance(item, np.generic):
+        return _said(item.item(), known)
+    name = type(item).__name__.encode()
+    if kind is float or item is None or isinstance(item, bool | int | float | str | Path):
+        return b"%s(%s)" % (name, repr(item).encode())
+    if id(item) in known:
+        return known[id(item)][1]
     if isinstance(item, np.ndarray):
-        digest.update(f"{item.dtype.str}{item.shape}".encode() + np.ascontiguousarray(item).tobytes())
-    elif item is None or isinstance(item, bool | int | float | str | Path):
-        digest.update(repr(item).encode())
-    elif is_dataclass(item):
-        for each in fields(item):
-            _fed(digest, getattr(item, each.name))
+        said = [f"{item.dtype.str}{item.shape}".encode(), item.tobytes()]
+    elif (names := _names_of(kind)) is not None:
+        said = [_said(getattr(item, each), known) for each in names]
     elif isinstance(item, Mapping):
-        for name in item:
-            _fed(digest, name)
-            _fed(digest, item[name])
+        said = [_said(part, known) for pair in item.items() for part in pair]
     elif isinstance(item, Sequence):
-        for part in item:
-            _fed(digest, part)
+        said = [_said(part, known) for part in item]
     else:
         raise TypeError(f"{item!r}: want numbers, texts, arrays, dataclasses, mappings or sequences of them")
-    digest.update(b")")
+    whole = b"%s(%s)" % (name, b"".join(said))
+    known[id(item)] = item, whole
+    return whole
 
 
 def digest_of(*items: Any) -> str:
     """A hash of all that the items hold."""
-    digest = hashlib.sha256()
-    for item in items:
-        _fed(digest, item)
-    return digest.hexdigest()[:32]
+    return hashlib.sha256(_said(items, {})).hexdigest()[:32]
 
 
 class Keeper:
