@@ -56,7 +56,9 @@ def _stiffest(table: ContactTable, own: int, numbers: IntArray, mass: float) -> 
 
 @lru_cache(maxsize=4096)
 def _alone(mass: float, inertia: float, corners: bytes, kn: float, ks: float, c: float) -> float:
-    """Step of one body with any one side flat on something fixed."""
+    """Step of one body with any one side flat on something fixed; infinite where it can meet nothing."""
+    if kn == 0.0:
+        return math.inf
     outline = np.frombuffer(corners).reshape(-1, 2)
     masses = np.array([mass, mass, inertia])
     pairs = zip(outline, np.roll(outline, -1, axis=0), strict=True)

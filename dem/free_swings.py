@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem import checks
+from dem.arrays import IntArray
 from dem.history import History
 from dem.scenes import Scene
 from dem.shapes import FloatArray
@@ -71,9 +72,19 @@ def top_displacement(history: History) -> FloatArray:
     return history.x + top[0] * (np.cos(history.theta) - 1.0) + top[1] * np.sin(history.theta)
 
 
+def passages(theta: FloatArray) -> IntArray:
+    """Indices of the last samples before a rotation [rad], shape (time,), goes to the other side of upright.
+
+    A sample of exactly 0 belongs to the side of the one before it: to touch upright is no passage.
+    """
+    there = np.flatnonzero(theta != 0.0)
+    over = np.flatnonzero(np.diff(np.sign(theta[there])) != 0)
+    return there[over + 1] - 1
+
+
 def swings(time: FloatArray, theta: FloatArray) -> Swings:
     """Passages and peaks of a sampled rotation; time [s] and theta [rad] of shape (time,)."""
-    upright = np.flatnonzero(np.diff(np.sign(theta)) != 0)
+    upright = passages(theta)
     share = theta[upright] / (theta[upright] - theta[upright + 1])
     tilt = np.abs(theta)
     edges = [0, *upright]

@@ -52,7 +52,7 @@ Contacts = Contact | Mapping[tuple[str, str], Contact]
 @dataclass(frozen=True, eq=False)
 class ContactTable:
     """Contact parameters by pair of material numbers, each of shape (material, material); c: given dashpot [N s/m],
-    ratio: given share of critical damping."""
+    ratio: given share of critical damping.  All are 0 for two materials that cannot meet."""
 
     names: tuple[str, ...]
     kn: FloatArray
@@ -86,7 +86,9 @@ def contact_table(contacts: Contacts, movable: Sequence[str], fixed: Sequence[st
     ]
 
     def table(of: Callable[[Contact], float]) -> FloatArray:
-        return np.array([[of(contact) for contact in row] for row in rows], dtype=np.float64)
+        # Nothing of two that cannot meet: no step is to be as small as their springs would want it.
+        some = [[0.0 if contact is _NEVER else of(contact) for contact in row] for row in rows]
+        return np.array(some, dtype=np.float64)
 
     return ContactTable(
         names,

@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from dem import checks
-from dem.assembly import Assembly, Body, Wall, block, bodies_of, body, wall
+from dem.assembly import Assembly, Body, block, bodies_of, body, wall
 from dem.shapes import FloatArray
 
 JOINT = 1e-3  # gap between neighbours in a course of masonry [m]: dry joints are never quite closed
@@ -235,4 +235,4 @@ def _at_least(name: str, value: int, least: int) -> None:
     checks.whole(name, value, least, MOST_BODIES)
 
 
-__all__ = ["Wall", "arch", "bookshelf", "column", "drum_column", "rubble", "running_bond", "single"]
+__all__ = ["arch", "bookshelf", "column", "drum_column", "rubble", "running_bond", "single"]

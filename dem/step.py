@@ -17,14 +17,9 @@ import math
 from typing import NamedTuple
 
 import numba
-import numpy as np
-import numpy.typing as npt
 
 from dem.compiled import compiled
 from dem.contact_law import clipped, friction_limit, normal_spring, normal_total, shear_total
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 RUNNING, FALLEN, BLOWN_UP, ENDED = 0, 1, 2, 3  # how a chunk of steps ended
 REST, SLIDE, ROTATION, SLIDE_ROTATION, TRANSLATION_JUMP, ROTATION_JUMP = range(6)

@@ -12,6 +12,8 @@ Status   two passes square the response of one: at a corner half of the amplitud
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from excitation.checks import not_negative, real, whole
@@ -38,7 +40,8 @@ def band_passed(
         high: high corner [Hz], below half the sampling rate; None lets everything above through.
         order: of the Butterworth filter of one pass, 1 to 12; two passes double it.
         taper: length [s] of a cosine taper at each end before padding.
-        keep_padding: whether the zeros' stretches before and after stay in the record, which then begins earlier.
+        keep_padding: whether the zeros' stretches before and after stay in the record, which then begins earlier,
+            at a time that it does not state.
 
     Raises:
         ValueError: no corner is given, they are out of range or order, or the taper is longer than half the record.
@@ -68,7 +71,8 @@ def band_passed(
     note = (
         f"Butterworth {kind} {'-'.join(f'{c:g}' for c in corners)} Hz, order {order}, two passes, pads of {pad} samples"
     )
-    return record.with_samples(kept, note=note + (" kept" if keep_padding else " removed"))
+    found = record.with_samples(kept, note=note + (" kept" if keep_padding else " removed"))
+    return replace(found, start_time="") if keep_padding else found
 
 
 def end_taper(record: Record, length: float, name: str = "taper") -> np.ndarray:

@@ -69,9 +69,11 @@ def significant_duration(record: Record, low: float = 0.05, high: float = 0.95) 
     if energy[-1] == 0.0:
         return 0.0
     share = energy / energy[-1]
-    # Within a step the share is taken to grow evenly; stretches where it stands still have no say.
-    rises = np.concatenate([[True], np.diff(share) > 0.0])
-    first, last = np.interp([low, high], share[rises], record.times[rises])
+    # Within a step the share is taken to grow evenly.  Where it stands still at one of them, the shorter time counts.
+    after = np.array([np.searchsorted(share, low, side="right"), np.searchsorted(share, high, side="left")])
+    before = after - 1
+    within = (np.array([low, high]) - share[before]) / (share[after] - share[before])
+    first, last = record.times[before] + within * record.time_step
     return float(last - first)
 
 

@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from excitation.checks import finite, not_negative, numbers, positive, real
+from excitation.checks import finite, not_negative, numbers, positive, real, whole
 from excitation.envelopes import MAX_IMPERFECTION, departure
 from excitation.motion import Motion
 from excitation.record import Record
@@ -85,6 +85,9 @@ class Table:
             raise ValueError(
                 f"frequencies={self.frequencies!r} Hz: want ascending from 0 on, with finite gain and phase"
             )
+        # So that two tables of the same numbers are equal, and hashed alike, whatever held them.
+        for name, values in (("frequencies", f), ("gain", gain), ("phase", phase)):
+            object.__setattr__(self, name, tuple(values.tolist()))
         if np.any(gain < 0.0):
             raise ValueError(f"gain={self.gain!r}: want zero or more")
         for name in ("second_harmonic", "third_harmonic", "cross_axis", "cross_axis_second_harmonic"):
@@ -94,6 +97,7 @@ class Table:
         positive("displacement_corner", self.displacement_corner, "Hz")
         positive("envelope_period", self.envelope_period, "s")
         not_negative("noise", self.noise, "m/s^2")
+        whole("seed", self.seed, 0)
         if not 0.0 <= real(self.envelope_imperfection) <= MAX_IMPERFECTION:
             raise ValueError(f"envelope_imperfection={self.envelope_imperfection!r}: want 0 to {MAX_IMPERFECTION}")
 
@@ -173,6 +177,11 @@ class Table:
     def _displacement(self, a_x: NDArray[np.float64], time_step: float) -> NDArray[np.float64]:
         from excitation.filters import band_passed
 
+        if self.displacement_corner >= 0.5 / time_step:
+            raise ValueError(
+                f"displacement_corner={self.displacement_corner!r} Hz: want below half the sampling rate, "
+                f"{0.5 / time_step:g} Hz"
+            )
         high = band_passed(Record(time_step, a_x), self.displacement_corner, None, keep_padding=True)
         pad = (high.acceleration.size - a_x.size) // 2
         return high.displacement[pad : pad + a_x.size]

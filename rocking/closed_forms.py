@@ -115,6 +115,10 @@ def rectangular_pulse(duration: float, p: float) -> float:
     return -1.0 / math.expm1(-p * duration)
 
 
+MOST_RATIO = 1e6
+"""Frequency of a pulse over p up to which it is looked at: shorter ones take more than 1e6 times g alpha."""
+
+
 def _sine_pulse(ratio: float, half_cycles: int) -> float:
     """Amplitude over g alpha at which the state after the pulse lies on the path to unstable balance.
 
@@ -123,7 +127,7 @@ def _sine_pulse(ratio: float, half_cycles: int) -> float:
     """
     from scipy.optimize import brentq
 
-    positive("frequency ratio", ratio, "1")
+    _check_ratio(ratio)
 
     def beyond(A: float) -> float:
         psi = math.asin(1.0 / A)
@@ -136,10 +140,18 @@ def _sine_pulse(ratio: float, half_cycles: int) -> float:
         forced = c * (math.sin(phase) + ratio * math.cos(phase)) * math.exp(-end)
         return forced + k + l_
 
+    if beyond(1.0) >= 0.0:  # to rounding, of pulses that last for ever
+        return 1.0
     high = 2.0
     while beyond(high) < 0.0:
         high *= 2.0
-    return float(brentq(beyond, 1.0 + 1e-12, high, xtol=1e-13, rtol=1e-14))
+    return float(brentq(beyond, 1.0, high, xtol=1e-13, rtol=1e-14))
+
+
+def _check_ratio(ratio: float) -> None:
+    positive("frequency ratio", ratio, "1")
+    if ratio > MOST_RATIO:
+        raise ValueError(f"frequency ratio={ratio!r}: want at most {MOST_RATIO:g}")
 
 
 def half_sine_pulse(ratio: float) -> float:
@@ -176,7 +188,7 @@ def full_cosine_pulse(ratio: float) -> float:
     Args:
         ratio: angular frequency of the cosine over p [1].
     """
-    positive("frequency ratio", ratio, "1")
+    _check_ratio(ratio)
     return -(1.0 + ratio * ratio) / math.expm1(-2.0 * math.pi / ratio)
 
 

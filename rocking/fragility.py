@@ -121,7 +121,8 @@ def fragility(
     Returns:
         Dataset over `limit` (infinity stands for overturning) with `fraction`, `fraction_low`, `fraction_high` over
         (limit, scale), and `median`, `beta` with `_low`, `_high` over limit, NaN where there is no estimate, for the
-        reason in `reason`.  Intervals of the estimates allow for the records that come at several scales.
+        reason in `reason`.  Intervals of the estimates allow for the records that come at several scales; one or two
+        records do not tell how far they differ, and where they come more than once the intervals are NaN.
 
     Raises:
         ValueError: a limit is not positive, or an argument is out of range.
@@ -144,6 +145,10 @@ def fragility(
         except ValueError as error:
             fits.append([math.nan] * 6)
             reasons.append(str(error))
+            continue
+        if count <= 2 and len(im) > 1:
+            fits.append([fit.median, math.nan, math.nan, fit.beta, math.nan, math.nan])
+            reasons.append(f"intervals: of {count} records at {len(im)} scales, want 3 records or more")
             continue
         (median_low, median_high), (beta_low, beta_high) = fit.intervals(confidence)
         fits.append([fit.median, median_low, median_high, fit.beta, beta_low, beta_high])
@@ -175,7 +180,7 @@ def _dataset(
         named[f"beta{suffix}"] = (
             "limit", fits[:, 3 + k], {"units": "1", "long_name": f"{bound}logarithmic standard deviation"},
         )  # fmt: skip
-    named["reason"] = ("limit", reasons, {"long_name": "why there is no estimate"})
+    named["reason"] = ("limit", reasons, {"long_name": "why there is no estimate, or none of its bounds"})
     limit = ("limit", limits, {"units": "1", "long_name": "|theta|/theta_c that is exceeded; infinity is overturning"})
     return xr.Dataset(
         named,

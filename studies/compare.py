@@ -77,14 +77,15 @@ def moved(name: str, a: xr.DataArray, b: xr.DataArray, rtol: float) -> Moved:
         note = f"{a.values[first]!s} -> {b.values[first]!s}" if differ.any() else ""
         return Moved(name, "", a.size, int(differ.sum()), np.nan, np.nan, _where(a, first) if note else "", note)
     x, y = a.values.astype(np.float64), b.values.astype(np.float64)
-    apart = np.abs(y - x)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        relative = np.where(apart == 0.0, 0.0, apart / np.abs(x))
     lost = np.isnan(x) != np.isnan(y)
     same = (np.isnan(x) & np.isnan(y)) | (x == y)
-    beyond = lost | (~same & (relative > rtol))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        apart = np.where(x == y, 0.0, np.abs(y - x))
+        relative = np.where(apart == 0.0, 0.0, apart / np.abs(x))
+    beyond = lost | (~same & ~(relative <= rtol))  # infinity becoming a number leaves no ratio
     if not beyond.any():
         return Moved(name, units, a.size, 0, float(np.nanmax(apart, initial=0.0)), 0.0, "")
+    relative = np.where(np.isnan(relative), np.inf, relative)
     rank = np.where(lost, np.inf, np.where(beyond, relative, -1.0))
     index = tuple(np.unravel_index(int(np.argmax(rank)), rank.shape))
     note = f"{x[index]:.6g} -> {y[index]:.6g}" + (f"; {int(lost.sum())} known in one alone" if lost.any() else "")
@@ -104,8 +105,13 @@ def compared(a: xr.Dataset, b: xr.Dataset, rtol: float = 1e-9) -> tuple[list[Mov
     for name in sorted(set(a.attrs) | set(b.attrs)):
         if name not in PASSING and a.attrs.get(name) != b.attrs.get(name):
             notes.append(f"attribute {name}: {a.attrs.get(name, 'absent')} -> {b.attrs.get(name, 'absent')}")
-    names = [str(name) for name in both_a.data_vars if name in both_b.data_vars]
+    # Dimensions were brought to the same values; other coordinates are results like any.
+    names = [str(name) for name in both_a.variables if name in both_b.variables and name not in both_a.dims]
     rows = [moved(name, both_a[name], both_b[name], rtol) for name in names]
+    for name in sorted(map(str, set(a.variables) & set(b.variables))):
+        units = a[name].attrs.get("units", "none"), b[name].attrs.get("units", "none")
+        if units[0] != units[1]:
+            notes.append(f"units of {name}: {units[0]} -> {units[1]}")
     return sorted(rows, key=lambda row: (row.moved == 0, -np.nan_to_num(row.relative))), notes
 
 
@@ -131,7 +137,7 @@ def main(argv: list[str]) -> None:
     pair = [load_dataset(path) for path in (arguments.a, arguments.b)]
     rows, notes = compared(pair[0], pair[1], arguments.rtol)
     print("\n".join([*notes, *map(_line, rows)]))
-    if any(row.moved or row.note for row in rows) or not rows:
+    if any(row.moved or row.note for row in rows) or any(n.startswith("units of ") for n in notes) or not rows:
         sys.exit(1)
 
 

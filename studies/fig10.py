@@ -30,22 +30,24 @@ REBOUNDS = 3
 ENERGIES = ("kinetic", "potential", "elastic")
 
 
+SHOWN = INTERVAL / 100.0
+"""Seconds between two samples of what is drawn."""
+
+
+def _fall(plan: DropPlan) -> Result:
+    """Height and energies of the nominal drop over 2 s at the pivot step."""
+    drop = drop_of(plan)
+    run = drop.run(plan.pivot, "incremental", SHOWN, round(2.0 / SHOWN) + 1)
+    assert isinstance(run, dem.History)
+    foot = float(run.scene.shape.corners[:, 1].min())
+    energies = {name: getattr(run.energies, name) for name in ENERGIES}
+    return {"time": run.time, "height": run.z + foot, "weight_work": run.scene.mass * drop.g * -foot} | energies
+
+
 def dataset(plan: DropPlan, parts: Parts) -> xr.Dataset:
     """Height and energies of the nominal drop at the pivot step, and the heights it comes back to within 2 s."""
     drop = drop_of(plan)
-    shown = INTERVAL / 100.0
-
-    def work(job: tuple[str, DropPlan]) -> Result:
-        count = round(2.0 / shown) + 1
-        run = drop.run(
-            plan.pivot * round(shown / plan.pivot / 1.0) / round(shown / plan.pivot), "incremental", shown, count
-        )
-        assert isinstance(run, dem.History)
-        foot = float(run.scene.shape.corners[:, 1].min())
-        energies = {name: getattr(run.energies, name) for name in ENERGIES}
-        return {"time": run.time, "height": run.z + foot, "weight_work": run.scene.mass * drop.g * -foot} | energies
-
-    (found,) = parts.results([("fig10", plan)], work, "fig10")
+    (found,) = parts.results([plan], _fall, "fig10")
     time, height = found["time"], found["height"]
     rounds = int(time[-1] / drop.period)
     tops = [

@@ -17,6 +17,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 import dem
+from dem.free_swings import passages
 from rocking import Method1, solve
 from rocking.effects.compliant_base import CompliantBase
 from studies.claims.bounds import CLAIMS
@@ -97,7 +98,7 @@ def difference(ds: xr.Dataset) -> dict[float, float]:
     found = {}
     for ratio in ds.damping_ratio.values:
         at = ds.sel(damping_ratio=ratio)
-        upright = np.flatnonzero(np.diff(np.sign(at.elements.values)) != 0)
+        upright = passages(at.elements.values)
         swings = list(pairwise([0, *upright]))[:SWINGS]
         end = swings[-1][1] if swings else at.sizes["time"]
         apart = np.abs(at.elements - at.springs).isel(time=slice(0, end + 1))

@@ -10,6 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from studies.campaigns.gaps import runs
 from studies.campaigns.model import Array
 
 LEAST_RUN = 4
@@ -55,8 +56,7 @@ def _on_rail(values: Array, there: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 def longest_run(mask: NDArray[np.bool_]) -> int:
     """Length of the longest row of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
-    return int(np.max(edges[1::2] - edges[::2])) if edges.size else 0
+    return max((stop - start for start, stop in runs(mask)), default=0)
 
 
 def overturning_time(time: Array, rotation: Array, balance: float, factor: float = 1.3) -> float:

@@ -61,14 +61,14 @@ def noise(values: Array, time_step: float) -> Noise:
         time_step: between them [s].
 
     Raises:
-        ValueError: fewer than 48 samples in a row are there.
+        ValueError: 48 samples in a row are nowhere, without which there may be no window of 32.
     """
     from scipy.stats import chi2
 
     kept, stride = independent(values)
     fast = _windows_of_differences(kept)
     if not fast.size:
-        raise ValueError(f"noise: has no {WINDOW} samples in a row, want them without gaps")
+        raise ValueError(f"noise: has no {WINDOW + WINDOW // 2} samples in a row, want them without gaps")
     rho = np.array([math.comb(2 * ORDER, ORDER + j) for j in range(1, ORDER + 1)]) / math.comb(2 * ORDER, ORDER)
     freedom = (WINDOW - ORDER) / (1.0 + 2.0 * float(np.sum(rho**2)))
     high = _sigma(fast, 0.25, freedom, chi2)

@@ -72,10 +72,16 @@ def plan_of(options: argparse.Namespace) -> JudgementPlan:
     return JudgementPlan(settings, trials=options.trials, default_trials=4 * options.trials)
 
 
-def _jobs(plan: JudgementPlan) -> list[tuple[Variation, float, int]]:
+def _jobs(plan: JudgementPlan) -> list[tuple[Variation, float, int, ColumnSettings]]:
     default = [(DEFAULT, f, trial) for f in plan.frequencies for trial in range(plan.default_trials)]
     varied = [(v, f, trial) for v in plan.variations for f in plan.frequencies for trial in range(plan.trials)]
-    return default + varied
+    return [(*job, plan.settings) for job in default + varied]
+
+
+def _height(job: tuple[Variation | None, ColumnSettings]) -> Result:
+    """Of the falling block, with a variation, or of the pivot where there is none."""
+    variation, settings = job
+    return {"height": pivot(settings) if variation is None else drop(variation, settings)}
 
 
 def _variables(plan: JudgementPlan, found: list[Result], drops: list[Result]) -> dict[str, Any]:
@@ -111,12 +117,8 @@ def _variables(plan: JudgementPlan, found: list[Result], drops: list[Result]) ->
 def dataset(plan: JudgementPlan, parts: Parts) -> xr.Dataset:
     """Criteria, eq. (8) and cost of each variation; draws nothing."""
     settings = plan.settings
-    drops = parts.results(
-        [("pivot", DEFAULT), *(("drop", v) for v in (DEFAULT, *plan.variations))],
-        lambda job: {"height": pivot(settings) if job[0] == "pivot" else drop(job[1], settings)},
-        "drops",
-    )
-    found = parts.results(_jobs(plan), lambda job: column_run(*job, settings), "columns")
+    drops = parts.results([(v, settings) for v in (None, DEFAULT, *plan.variations)], _height, "drops")
+    found = parts.results(_jobs(plan), lambda job: column_run(*job), "columns")
     named = {"long_name": "what was changed"}
     units = ", ".join(f"{group} [{unit}]" for group, unit in UNITS.items() if unit)
     ds = xr.Dataset(

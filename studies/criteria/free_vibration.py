@@ -17,6 +17,7 @@ from itertools import pairwise
 import numpy as np
 
 import dem
+from dem.free_swings import passages
 from rocking import G_STANDARD, Block
 
 FRICTION = 10.0
@@ -68,7 +69,7 @@ def swing_restitution(block: Block, damping: float, *, kn: float, ks: float, g: 
     )  # fmt: skip
     tilt = np.abs(history.theta)
     # A peak lies between two passages through upright; the release is the first.
-    upright = np.flatnonzero(np.diff(np.sign(history.theta)) != 0)
+    upright = passages(history.theta)
     peaks = [tilt[0], *(tilt[a:b].max() for a, b in pairwise(upright))]
     if len(peaks) < SWINGS + 1:
         raise RuntimeError(f"damping={damping:.6g} N s/m: only {len(peaks) - 1} swings of the {SWINGS} wanted")

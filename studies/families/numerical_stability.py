@@ -80,6 +80,11 @@ def drop_of(plan: DropPlan, change: float = 0.0) -> Drop:
     return Drop(scene_of(specimen(BLOCK)), plan.height * (1.0 + change), kn=STIFFNESS)
 
 
+def _history(job: tuple[float, float, str, float]) -> Result:
+    height, change, onset, dt = job
+    return {"height": drop_of(DropPlan(height), change).history(dt, onset, INTERVAL, SAMPLES)}
+
+
 def dataset(plan: DropPlan, parts: Parts, label: str) -> xr.Dataset:
     """Histories of the nominal drop and differences of all drops, over (onset, step)."""
     jobs = [
@@ -88,11 +93,7 @@ def dataset(plan: DropPlan, parts: Parts, label: str) -> xr.Dataset:
         for onset in plan.onsets
         for dt in (plan.pivot, *plan.steps)
     ]
-
-    def work(job: tuple[float, float, str, float]) -> Result:
-        return {"height": drop_of(plan, job[1]).history(job[3], job[2], INTERVAL, SAMPLES)}
-
-    found = [result["height"] for result in parts.results(jobs, work, label)]
+    found = [result["height"] for result in parts.results(jobs, _history, label)]
     z = np.array(found).reshape(len(plan.spread), len(plan.onsets), 1 + len(plan.steps), SAMPLES)
     time = INTERVAL * np.arange(SAMPLES, dtype=np.float64)
     exact = np.array([drop_of(plan, change).exact(time) for change in plan.spread])

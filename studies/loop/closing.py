@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from studies.campaigns import Campaign
 from studies.loop.fits.fitting import Fit
@@ -52,7 +51,6 @@ from studies.loop.whole.settling import Settled, intervals, settle
 from studies.loop.whole.whole_fits import whole_fit, whole_fit_from_many
 from studies.loop.whole.whole_records import MISSED, explains_more, hinted
 
-Array = NDArray[np.float64]
 Tell = Callable[[str], None]
 Verdict = Literal["effect", "none", "unexplained"]
 

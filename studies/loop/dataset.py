@@ -30,8 +30,6 @@ from studies.loop.records.scoring import leaning
 from studies.loop.runs.simulation import Answer, Job
 from studies.running.files import provenance, write_whole
 
-Array = NDArray[np.float64]
-
 STAGES = ("before", "after")
 HELD_OUT, FITTED, UNUSED = "held out", "fitted", "not used"
 

@@ -10,6 +10,7 @@ Status   kill -9, damaged parts and changed settings are tested
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import io
 import os
@@ -40,13 +41,44 @@ STUDIES = Path(__file__).resolve().parents[1]
 
 
 @cache
-def sources_hash() -> str:
-    """A hash of the sources that decide what a run gives."""
+def sources_hash(module: str = "") -> str:
+    """A hash of the sources that decide what a run gives: the physics, and the module of the studies that it is from.
+
+    A module of the studies counts with those of them that it imports, and that these import in turn.
+    """
     files = [path for package in PHYSICS for path in sorted((STUDIES.parent / package).rglob("*.py"))]
     digest = hashlib.sha256()
-    for path in [*files, *sorted((STUDIES / "criteria").glob("*.py")), STUDIES / "specimens.py"]:
+    for path in [*files, *sorted((STUDIES / "criteria").glob("*.py")), STUDIES / "specimens.py", *_reached(module)]:
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()[:16]
+
+
+def _reached(module: str) -> list[Path]:
+    """Files of a module and of all modules of the studies that it reaches by imports; none without a module."""
+    own = getattr(sys.modules.get(module), "__file__", None)  # it need not be one of the studies
+    found: dict[str, Path] = {}
+    ahead = [(module, _file_of(module) or (Path(own) if own else None))]
+    while ahead:
+        name, file = ahead.pop()
+        if file is None or name in found:
+            continue
+        found[name] = file
+        names: list[str] = []
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                names += [each.name for each in node.names]
+            elif isinstance(node, ast.ImportFrom) and node.module:
+                names += [node.module, *(f"{node.module}.{each.name}" for each in node.names)]
+        ahead += [(each, _file_of(each)) for each in names]
+    return [found[name] for name in sorted(found)]
+
+
+def _file_of(module: str) -> Path | None:
+    """The source of a module of the studies; None of any other."""
+    package, *parts = module.split(".")
+    path = STUDIES.joinpath(*parts)
+    files = (path.with_suffix(".py"), path / "__init__.py") if package == STUDIES.name else ()
+    return next((file for file in files if file.is_file()), None)
 
 
 @cache
@@ -56,13 +88,6 @@ def studies_hash() -> str:
     for path in sorted(STUDIES.rglob("*.py")):
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()[:16]
-
-
-def _source_of(work: Callable[..., Any]) -> str:
-    """The text of the module that a function is from."""
-    module = sys.modules.get(work.__module__)
-    file = getattr(module, "__file__", None)
-    return Path(file).read_text(encoding="utf-8") if file else ""
 
 
 def hashed(*items: Any) -> str:
@@ -111,7 +136,7 @@ class Parts:
         if self.folder is None:
             return [None] * len(jobs)
         base = self.folder / sources_hash()
-        about = (work.__module__, work.__qualname__, _source_of(work))
+        about = (work.__module__, work.__qualname__, sources_hash(work.__module__))
         return [base / f"{hashed(*about, job)}.npz" for job in jobs]
 
     def _kept(self, path: Path | None) -> Result | None:
@@ -129,7 +154,13 @@ class Parts:
             jobs: values whose `repr` says all that decides the result.
             work: called in threads; gives numbers, texts and arrays by name.
             label: heads the bar of progress.
+
+        Raises:
+            TypeError: `work` takes something from the function around it, which no job says.
         """
+        around = getattr(getattr(work, "__code__", None), "co_freevars", ())
+        if around:
+            raise TypeError(f"{work.__qualname__} takes {', '.join(around)} from around it: want that in its jobs")
         paths = self._paths(jobs, work)
         found: list[Result | None] = [self._kept(path) for path in paths]
 

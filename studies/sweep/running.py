@@ -100,6 +100,12 @@ def _on_cluster(declared: Mapping[str, Any], tasks: Iterator[Task], address: str
                 submit(following)
 
 
+def identity_of(sweep: Sweep, chunk_points: int) -> dict[str, Any]:
+    """What a chunk has to be of, to be taken for one of this sweep."""
+    sources = sources_hash(evaluate.__module__)
+    return {"declaration": json.loads(sweep.as_json()), "sources": sources, "chunk size": chunk_points}
+
+
 def run(
     sweep: Sweep,
     out: str | Path,
@@ -134,7 +140,7 @@ def run(
     if chunk_points < 1:
         raise ValueError(f"chunk_points={chunk_points}: want 1 or more")
     target = Path(out)
-    identity = {"declaration": json.loads(sweep.as_json()), "sources": sources_hash(), "chunk size": chunk_points}
+    identity = identity_of(sweep, chunk_points)
     attributes = attributes_of(sweep, identity, command)
     _check_target(target, attributes)
     target.parent.mkdir(parents=True, exist_ok=True)

@@ -32,13 +32,6 @@ class Pitch:
         return self.angle(t) + 0.0 * t, self.acceleration(t) + 0.0 * t
 
 
-def overlaps_on(run, upper, lower):
-    """Overlaps of the two bottom corners of a block with the top of a block of the same size below it [m]."""
-    sunk = run.z[-1, lower] + H - run.z[-1, upper]
-    turned = run.theta[-1, upper] - run.theta[-1, lower]
-    return sunk - 0.5 * B * turned, sunk + 0.5 * B * turned
-
-
 # Two contacts of an edge on an edge: moments about each give the share of the other (Fig. 8 of the paper).
 @pytest.mark.parametrize("x_l", [0.0, 0.02, -0.05, 0.07])
 def test_two_contacts_of_an_edge_share_a_load_by_the_lever_rule(x_l):

@@ -282,6 +282,20 @@ def test_critical_step_of_a_column(count, expected):
     )
 
 
+# Stable steps go with 1 / sqrt(kn): those of 1e5 N/m are sqrt(198) times those of 1.98e7 N/m.
+@pytest.mark.parametrize("materials", [("block",), ("block", "block"), ("wood", "stone")])
+def test_critical_step_of_soft_contacts_is_as_much_longer(materials):
+    """Two that cannot meet, as a block and itself, have no say; the default stiffness stood there."""
+    bodies = [dem.block(B, H, D, DENSITY, x=3.0 * B * k, material=material) for k, material in enumerate(materials)]
+    steps = []
+    for stiffness in (1e5, 1.98e7):
+        soft = dem.Contact(1.0, damping_ratio=0.1, kn=stiffness, ks=stiffness)
+        table = {(material, "table"): soft for material in materials}
+        pairs = {("block", "block"): soft} if materials.count("block") > 1 else {("wood", "stone"): soft}
+        steps.append(dem.assembly_critical_step(dem.Assembly(tuple(bodies)), table | pairs))
+    assert steps[0] == pytest.approx(math.sqrt(198.0) * steps[1], rel=1e-9)
+
+
 def test_a_body_may_meet_what_damps_it_most_in_the_scene():
     """Two blocks apart from each other: their step is that of a scene in which all contacts are damped as theirs."""
     pair = dem.Assembly((dem.block(B, H, D, DENSITY), dem.block(B, H, D, DENSITY, x=3.0 * B)))

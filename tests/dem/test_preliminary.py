@@ -13,7 +13,7 @@ from dem.drop import (
     stiffness_from_wave_speed,
     wave_speed_from_stiffness,
 )
-from dem.free_swings import let_go, quarter_period, swings, top_displacement
+from dem.free_swings import let_go, passages, quarter_period, swings, top_displacement
 
 T, SAMPLES = 3.3e-3, 152
 
@@ -124,3 +124,19 @@ def test_samples_are_about_the_interval_apart(interval):
     """The nearest whole number of steps: half a step off at the most; the end comes when it comes."""
     history = let_go(dem.single_block(0.3, 1.0, 0.5, 597.0), 0.1, t_end=0.1, damping=1e4, dt=1.5e-4, interval=interval)
     assert np.diff(history.time)[:-1] == pytest.approx(interval, abs=0.75e-4)
+
+
+@pytest.mark.parametrize(
+    ("theta", "at"),
+    [
+        ([0.2, 0.1, 0.0, -0.1, -0.2], [2.0]),
+        ([0.2, 0.1, 0.0, 0.1, 0.2], []),
+        ([-0.2, -0.1, 0.0, 0.0, 0.1], [3.0]),
+        ([0.2, 0.1, -0.1, 0.0, -0.1], [1.5]),
+        ([0.0, 0.0, 0.1, -0.1, 0.0], [2.5]),
+    ],
+)
+def test_a_sample_upright_is_one_passage_or_none(theta, at):
+    found = swings(np.arange(5.0), np.array(theta))
+    assert found.passages == pytest.approx(at) and len(found.peaks) == len(at)
+    assert len(passages(np.array(theta))) == len(at)

@@ -1,11 +1,13 @@
 """Processing and measures against closed forms and against eqsig and pyrotd on the same motions."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import brentq
 
 import excitation as ex
 from excitation.intensities import significant_duration
@@ -156,6 +158,37 @@ def test_duration_of_an_even_record_is_the_share_asked_for():
     assert significant_duration(record) == pytest.approx(9.0, rel=1e-12)
     assert significant_duration(record, 0.05, 0.75) == pytest.approx(7.0, rel=1e-12)
     assert significant_duration(ex.Record(0.01, np.zeros(10))) == 0.0
+
+
+@pytest.mark.parametrize(("before", "after"), [(0.0, 40.0), (60.0, 0.0), (60.0, 40.0)])
+def test_zeros_around_a_record_are_no_part_of_its_duration(before, after):
+    """5 to 95 % of sin^2 over a cycle of 0.1 s lie 0.0888 s apart: x - sin(4 pi x) / (4 pi) = 0.05 at 0.0560 cycles."""
+    step, cycle = 1e-4, np.sin(2.0 * math.pi * np.arange(1001) / 1000)
+    rests = [np.zeros(round(length / step)) for length in (before, after)]
+    found = significant_duration(ex.Record(step, np.concatenate([rests[0], cycle, rests[1]])))
+    edge = brentq(lambda x: x - math.sin(4.0 * math.pi * x) / (4.0 * math.pi) - 0.05, 0.0, 0.25)
+    assert found == pytest.approx(0.1 * (1.0 - 2.0 * edge), rel=1e-5)
+
+
+def test_the_shorter_time_counts_where_the_energy_stands_still_at_a_share():
+    """Half of it in each of two bursts of 1 s, 5 s apart: half to all of it lies in the second alone."""
+    burst = np.ones(101)
+    record = ex.Record(0.01, np.concatenate([burst, np.zeros(500), burst]))
+    assert significant_duration(record, 0.0, 0.5) == pytest.approx(1.0, abs=0.011)
+    assert significant_duration(record, 0.5, 1.0) == pytest.approx(1.0, abs=0.011)
+    assert significant_duration(record, 0.0, 1.0) == pytest.approx(7.01, abs=0.011)
+
+
+def test_a_record_that_begins_earlier_does_not_state_when(quake):
+    dated = replace(quake, start_time="2011-02-22T23:51:42Z")
+    assert ex.band_passed(dated, 0.1, 20.0).start_time == dated.start_time
+    assert ex.band_passed(dated, 0.1, 20.0, keep_padding=True).start_time == ""
+
+
+@pytest.mark.parametrize("step", [1e-320, 1e-12, 1e12])
+def test_a_step_far_from_that_of_the_record_is_refused(quake, step):
+    with pytest.raises(ValueError, match=r"time_step=1.* s: want a ratio to 0.01 s"):
+        ex.resampled(quake, step)
 
 
 def test_arias_and_cav_of_whole_sines():

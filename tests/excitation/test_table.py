@@ -128,6 +128,19 @@ def test_a_table_shows_its_departures_alone():
     assert shown == "Table(frequencies=<401 values>, gain=<401 values>, phase=<401 values>)"
 
 
+def test_tables_of_the_same_numbers_are_the_same_whatever_held_them():
+    f, gain, phase = (0.0, 5.0), (1.0, 0.9), (0.0, -0.2)
+    one = ex.Table(frequencies=f, gain=gain, phase=phase)
+    other = ex.Table(frequencies=np.array(f), gain=list(gain), phase=np.array(phase))
+    assert one == other and hash(one) == hash(other) and repr(one) == repr(other)
+
+
+def test_a_corner_beyond_the_commands_samples_is_named():
+    table = ex.Table(pitch_per_displacement=0.01, displacement_corner=80.0)
+    with pytest.raises(ValueError, match=r"displacement_corner=80.0 Hz: want below half the sampling rate, 50 Hz"):
+        table.shake(ex.SteadySinusoid(1.0, 2.0, 4.0), time_step=0.01, end=4.0)
+
+
 def test_departures_can_be_taken_away_one_by_one():
     table = ex.Table(second_harmonic=0.1, noise=0.1, frequencies=(1.0,), gain=(2.0,), phase=(0.0,))
     assert table.without("second_harmonic", "noise", "gain") == ex.Table()

@@ -209,23 +209,23 @@ def test_two_runs_on_one_target_take_turns_and_kill_9_leaves_no_lock(tmp_path, c
     assert not list(tmp_path.glob(".*"))
 
 
+def squared(job):
+    squared.calls.append(job)
+    return {"number": job**2}
+
+
 @pytest.mark.parametrize("hours", [-24 * 365 * 30, 24 * 365 * 30])
 def test_a_clock_that_jumps_changes_nothing(hours, tmp_path, monkeypatch):
     """Times of files decades off, and a clock that goes on from there: what is whole is known by what it holds."""
-    calls = []
-
-    def work(job):
-        calls.append(job)
-        return {"number": job**2}
-
-    Parts(tmp_path, workers=1).results([1.0, 2.0], work, "a")
+    squared.calls = []
+    Parts(tmp_path, workers=1).results([1.0, 2.0], squared, "a")
     save_dataset(files.dataset(), tmp_path / "a.nc")
     now = time.time
     for path in tmp_path.rglob("*"):
         os.utime(path, (now() + 3600.0 * hours,) * 2)
     monkeypatch.setattr(time, "time", lambda: now() - 3600.0 * hours)
-    found = Parts(tmp_path, workers=1).results([1.0, 2.0, 3.0], work, "b")
-    assert [row["number"] for row in found] == [1.0, 4.0, 9.0] and calls == [1.0, 2.0, 3.0]
+    found = Parts(tmp_path, workers=1).results([1.0, 2.0, 3.0], squared, "b")
+    assert [row["number"] for row in found] == [1.0, 4.0, 9.0] and squared.calls == [1.0, 2.0, 3.0]
     assert there_already(tmp_path / "a.nc", "x") is not None
 
 

@@ -41,6 +41,14 @@ def test_half_sine_pulse_is_the_published_number_and_the_threshold_of_the_equati
     assert not overturns_under_sine(A * (1 - 1e-7), ratio, 1)
 
 
+# A long pulse is all but a constant acceleration: from the angle psi on, A sin psi = 1, it is told that the block is at
+# the path to unstable balance, x + x' = 1, once c (sin psi + ratio cos psi) = -1, of which the series begins so.
+@pytest.mark.parametrize("ratio", [1e-3, 1e-5, 1e-8])
+@pytest.mark.parametrize("pulse", [cf.half_sine_pulse, cf.full_sine_pulse])
+def test_a_pulse_without_end_overturns_as_soon_as_it_rocks(pulse, ratio):
+    assert pulse(ratio) - 1.0 == pytest.approx(0.5 * ratio**2, rel=1e-2, abs=1e-12)
+
+
 @pytest.mark.parametrize(("ratio", "published"), FULL_SINE.items())
 def test_full_sine_pulse_is_the_published_number_and_the_threshold_of_the_equation(ratio, published):
     A = cf.full_sine_pulse(ratio)
@@ -218,6 +226,8 @@ def test_no_sine_train_overturns_below_ishiyamas_limits(system, cycles):
         (lambda: cf.zeno_time(1e-3, 0.3, 3.0, 1.0), r"e=1\.0: want 0 to below 1"),
         (lambda: cf.rectangular_pulse(0.0, 3.0), r"duration=0\.0 s"),
         (lambda: cf.half_sine_pulse(math.nan), r"frequency ratio=nan 1"),
+        (lambda: cf.half_sine_pulse(1e160), r"frequency ratio=1e\+160: want at most 1e\+06"),
+        (lambda: cf.full_cosine_pulse(1e160), r"frequency ratio=1e\+160: want at most 1e\+06"),
         (lambda: cf.full_cosine_pulse(-1.0), r"frequency ratio=-1\.0 1"),
         (lambda: one_impact_band(0.1, 0.9), r"ratio=0\.1: want 0\.2 to inf"),
         (lambda: one_impact_band(2.0, 1.1), r"e=1\.1: want 0 to 1"),

@@ -260,3 +260,17 @@ def test_bad_argument_is_named(arguments, message):
     call = {"records": MOTION, "scales": [1.0], "build": lambda record, k: scaled(record, k).motion()} | arguments
     with pytest.raises(ValueError, match=message):
         run_records(Method1(Block(0.15, 0.6)), t_end=1.0, **call)
+
+
+def test_two_records_at_several_scales_tell_no_intervals(runs):
+    """Twelve outcomes of two records are no twelve facts, and how far two records differ is no estimate."""
+    fell = np.array([[0, 0], [0, 1], [1, 0], [0, 1], [1, 1], [1, 1]], dtype=bool)
+    few = runs.isel(record=slice(0, 2)).assign(overturned=(("scale", "record"), fell))
+    found = fragility(few).isel(limit=-1)
+    expected = fit_lognormal(few.intensity.values.ravel(), fell.ravel())
+    assert (float(found["median"]), float(found.beta)) == pytest.approx((expected.median, expected.beta), rel=1e-12)
+    assert str(found.reason.values) == "intervals: of 2 records at 6 scales, want 3 records or more"
+    assert np.isnan([found[name] for name in ("median_low", "median_high", "beta_low", "beta_high")]).all()
+    assert np.isfinite(found.fraction_low).all()
+    # At one scale each record is a fact.
+    assert "intervals" not in str(fragility(few.isel(scale=[1])).reason.values[-1])

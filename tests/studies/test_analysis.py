@@ -99,6 +99,21 @@ def test_tolerance_gaps_texts_and_other_axes():
     assert rows[0].name == "amplitude" and rows[0].relative < 0.02
 
 
+def test_infinities_coordinates_and_units_move_too(tmp_path):
+    endless, wide = dataset(), dataset()
+    endless["amplitude"][0] = np.inf
+    for a, b in ((endless, dataset()), (dataset(), endless)):
+        row = next(row for row in compared(a, b)[0] if row.name == "amplitude")
+        assert row.moved == 1 and row.where == "frequency=1.0"
+    assert not any(row.moved for row in compared(endless, endless)[0])
+    rows, _ = compared(dataset().assign_coords(alpha=0.3), wide.assign_coords(alpha=0.9))
+    assert [(row.name, row.moved) for row in rows if row.moved] == [("alpha", 1)]
+    wide["amplitude"].attrs["units"] = "1"
+    assert compared(dataset(), wide)[1] == ["units of amplitude: m s-2 -> 1"]
+    with pytest.raises(SystemExit):
+        compare(saved(tmp_path, a=dataset(), b=wide))
+
+
 def test_compare_refuses_what_is_no_dataset(tmp_path):
     (tmp_path / "x.nc").write_text("none")
     with pytest.raises(BadInputError, match=r"x.nc: want a NetCDF dataset"):

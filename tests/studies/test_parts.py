@@ -9,6 +9,7 @@ import time
 import numpy as np
 import pytest
 
+from studies.running import parts as parts_module
 from studies.running.parts import Parts, sources_hash
 
 
@@ -46,6 +47,22 @@ def test_a_damaged_part_is_computed_again(tmp_path):
     (found,) = Parts(tmp_path, workers=1).results([1.0], square, "a")
     assert square.calls == 2
     assert found["number"] == 1.0
+
+
+def test_what_no_job_says_is_refused(tmp_path):
+    """Two ramps had shared runs, since the ramp stood in the function alone."""
+    factor = 2.0
+    with pytest.raises(TypeError, match=r"<lambda> takes factor from around it: want that in its jobs"):
+        Parts(tmp_path).results([1.0], lambda job: {"number": factor * job}, "a")
+
+
+def test_sources_are_those_that_a_run_reaches():
+    """Modules of the studies that it imports, and those that these import; others leave it alone."""
+    reached = {path.name for path in parts_module._reached("studies.fig05")}
+    assert {"fit.py", "__init__.py", "free_vibration.py"} <= reached and "tracing.py" not in reached
+    evaluation = {path.name for path in parts_module._reached("studies.sweep.evaluation")}
+    assert {"evaluation.py", "declared.py", "overturning.py"} <= evaluation
+    assert sources_hash("studies.sweep.evaluation") != sources_hash("studies.fig05") != sources_hash()
 
 
 def test_parts_of_other_sources_are_removed(tmp_path):

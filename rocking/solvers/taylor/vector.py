@@ -237,7 +237,6 @@ where = emitted(lanes_type)(where_of)
 least = emitted(lanes_type)(least_of)
 most = emitted(lanes_type)(most_of)
 size = emitted(lanes_type)(size_of)
-square_root = emitted(lanes_type)(root_of)
 
 
 def _place(context: Any, builder: Any, kind: Any, table: Any, row: Any) -> Any:

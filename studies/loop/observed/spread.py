@@ -50,15 +50,19 @@ def redrawn(
         factors: as of `Simulator`, of each test.
     """
     rng = np.random.default_rng(seed)
-    noisy = []
-    for _ in range(draws):
-        for test, sd in zip(tests, noise, strict=True):
-            data = dict(test.data)
-            channel = test.channel("base_acceleration_x")
-            if channel is not None:
-                data[channel.name] = data[channel.name] + sd * rng.standard_normal(test.time.size)
-            noisy.append(replace(test, data=data))
+    noisy = [test for _ in range(draws) for test in with_base_noise(tests, noise, rng)]
     return Simulator(noisy, [*range(len(tests))] * draws, factors=None if factors is None else [*factors] * draws)
+
+
+def with_base_noise(tests: Sequence[Test], noise: Array, rng: np.random.Generator) -> list[Test]:
+    """The tests with noise of that standard deviation [m/s^2], shape (test,), on the horizontal base channel."""
+    noisy = []
+    for test, sd in zip(tests, noise, strict=True):
+        channel, data = test.channel("base_acceleration_x"), dict(test.data)
+        if channel is not None:
+            data[channel.name] = data[channel.name] + sd * rng.standard_normal(test.time.size)
+        noisy.append(replace(test, data=data))
+    return noisy
 
 
 def variances(

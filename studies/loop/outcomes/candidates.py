@@ -13,17 +13,12 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from rocking import G_STANDARD
 from studies.campaigns import DeclaredBlock
 from studies.loop.models.candidates import Candidate, grips
 from studies.loop.models.model import DRIFT, RESTITUTION
 from studies.loop.models.parameters import Parameter
 from studies.loop.swings.learning import TERM
-
-Array = NDArray[np.float64]
 
 UNSEEN = {
     "rotation_gain": "outcomes do not depend on the rotation sensor",

@@ -17,8 +17,9 @@ from scipy.stats import binom
 
 from studies.campaigns import Campaign
 from studies.loop.models.model import LoopModel
+from studies.loop.observed.spread import with_base_noise
 from studies.loop.outcomes.candidates import forms, terms
-from studies.loop.outcomes.data import OutcomeData, cheap, prepare, redrawn
+from studies.loop.outcomes.data import OutcomeData, cheap, prepare
 from studies.loop.outcomes.finding import OutcomeFinding, Stage, Verdict
 from studies.loop.outcomes.likelihood import Noise, probability
 from studies.loop.outcomes.prediction import falls_at_strengths
@@ -193,7 +194,7 @@ def _floor(data: OutcomeData, chosen: Tried, tell: Tell) -> tuple[dict[str, floa
     falls = []
     for seed in range(FLOOR_DRAWS + 1):
         noise = data.base_noise if seed else np.zeros_like(data.base_noise)
-        tests = [cheap(test, block) for test in redrawn(data.tests, noise, seed)]
+        tests = [cheap(test, block) for test in with_base_noise(data.tests, noise, np.random.default_rng(seed))]
         falls.append(falls_of(Simulator(tests, list(data.numbers)), [chosen.top.model])[0])
     flipped = np.mean([other != falls[0] for other in falls[1:]], axis=0)
     floor = {"fit": float(flipped[~data.held].mean()), "holdout": float(flipped[data.held].mean())}

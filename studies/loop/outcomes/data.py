@@ -9,7 +9,6 @@ Status   share of outcomes that the cheap form flips against the whole records: 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -132,15 +131,3 @@ def scaled(test: Test, factor: float) -> Test:
     """The test with its base motion so many times as strong."""
     bases = {c.name for c in test.channels if c.kind in ("base_acceleration_x", "base_acceleration_z")}
     return replace(test, data={name: v * factor if name in bases else v for name, v in test.data.items()})
-
-
-def redrawn(tests: Sequence[Test], noise: Array, seed: int) -> list[Test]:
-    """The tests with horizontal base noise added."""
-    rng = np.random.default_rng(seed)
-    out = []
-    for test, sd in zip(tests, noise, strict=True):
-        channel, data = test.channel("base_acceleration_x"), dict(test.data)
-        if channel is not None:
-            data[channel.name] = data[channel.name] + sd * rng.standard_normal(test.time.size)
-        out.append(replace(test, data=data))
-    return out

@@ -22,7 +22,6 @@ from studies.loop.outcomes.data import cheap, scaled
 from studies.loop.runs.keeping import Keeper, digest_of
 from studies.loop.runs.simulation import Answer, Job, Simulator
 
-Array = NDArray[np.float64]
 Falls = NDArray[np.bool_]
 
 NOMINAL = (0.0,)

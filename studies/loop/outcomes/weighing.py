@@ -1,5 +1,4 @@
 """What follows from all that was run: intervals, rivals that cannot be told apart, the test to do next.
-"to do next.
 
 Source   intervals: Bayesian bootstrap over motions, Rubin (1981), since tests of one motion are no independent facts.
 """

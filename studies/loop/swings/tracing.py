@@ -515,8 +515,3 @@ def _with_lost_found(simulator: Simulator, found: Fit) -> Fit:
 def all_candidates(model: LoopModel, friction: float | None = None) -> tuple[Candidate, ...]:
     """Everything that the loop can try on this block; its friction [1] where that is declared."""
     return candidates(model.declared, friction)
-
-
-def rms_of(found: Fit) -> float:
-    """Weighted rms over all samples, or nan."""
-    return float(found.rms) if np.isfinite(found.rms) else math.nan

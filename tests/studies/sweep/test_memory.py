@@ -19,7 +19,7 @@ from studies.sweep import Sweep, run
 from studies.sweep.__main__ import main
 from studies.sweep.chunks import Folder, as_dataset, boxes
 from studies.sweep.evaluation import FELL, VARIABLES
-from studies.running.parts import sources_hash
+from studies.sweep.running import identity_of
 
 folder, POINTS, MISSING = Path(sys.argv[1]), 15_000, (3, 700)
 AXES = {
@@ -35,7 +35,7 @@ small = Sweep(axes=AXES | {"h": [0.5], "slenderness": [0.2]}, excitations=RAMP)
 run(small, folder / "small.nc", progress=False).close()
 
 parts = Folder(folder / "large.nc.parts")
-parts.begin({"declaration": json.loads(sweep.as_json()), "sources": sources_hash(), "chunk size": POINTS})
+parts.begin(identity_of(sweep, POINTS))
 
 
 def numbers(number):
