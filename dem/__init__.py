@@ -7,6 +7,7 @@ Source  Winkler, Meguro & Yamazaki (1995), the distinct element chapters; after 
 Status  `simulate`: one convex body on a flat base, the fastest; `simulate_assembly`: any convex bodies and walls
 """
 
+from dem.assemblies import arch, bookshelf, column, drum_column, rubble, running_bond, single
 from dem.assembly import Assembly, Body, Wall, block, bodies_of, body, wall
 from dem.assembly_history import AssemblyHistory, Ending, Fall, Separation
 from dem.assembly_settings import ContactJudgement, Criteria
@@ -16,7 +17,6 @@ from dem.free_swings import Swings, let_go, swings, top_displacement
 from dem.history import Energies, History, Mode, Outcome
 from dem.materials import Contact
 from dem.scenes import Scene, single_block, single_polygon
-from dem.scenes_standing import arch, bookshelf, column, drum_column, rubble, running_bond, single
 from dem.shapes import Polygon, convex, polygon, rectangle
 from dem.simulate import Motion, simulate
 from dem.simulate_assembly import simulate_assembly

@@ -90,13 +90,3 @@ def swings(time: FloatArray, theta: FloatArray) -> Swings:
     edges = [0, *upright]
     peaks = [float(tilt[a : b + 1].max()) for a, b in pairwise(edges)]
     return Swings(time[upright] + share * (time[upright + 1] - time[upright]), np.array(peaks))
-
-
-def quarter_period(tilt: float, alpha: float, p: float) -> float:
-    """Time from a tilt at rest to upright by the linear equation [s], acosh(1/(1 - tilt/alpha))/p, Housner (1963).
-
-    tilt, alpha [rad], p [rad/s]. Raises ValueError unless 0 < tilt < alpha.
-    """
-    if not 0.0 < tilt < alpha:
-        raise ValueError(f"tilt={tilt} rad: want between 0 and alpha={alpha} rad")
-    return math.acosh(1.0 / (1.0 - tilt / alpha)) / p
