@@ -25,6 +25,21 @@ def test_a_chatter_that_stalls_when_followed_is_not_counted_to_a_rest(form: Any,
     np.testing.assert_array_equal(batch.impacts, run.impact_times.size)
 
 
+@pytest.mark.parametrize("solver", ["numba", "scipy"])
+def test_solvers_that_step_end_it_where_taylor_does(solver: str) -> None:
+    """By the same impact, and not by the largest number of events that is allowed."""
+    system = Method1(Block(0.2, 0.8), restitution=0.9, rest_speed=1e-30)
+    motion = RampedSinusoid(2.0, 1.0, 1e-9)
+    one, other = (
+        solve(system, motion, theta=0.1, t_end=60.0, solver=name, save_at=(), max_events=2000)
+        for name in ("taylor", solver)
+    )
+    assert one.outcome is other.outcome is Outcome.FAILED
+    assert "more than 100 events without time going on" in other.reason
+    assert other.impact_times.size == one.impact_times.size
+    assert other.impact_times[-1] == pytest.approx(one.impact_times[-1], abs=1e-7)
+
+
 def test_with_the_usual_rest_speed_it_comes_to_rest() -> None:
     system = Method1(Block(0.2, 0.8), restitution=0.5)
     batch = solve_batch(system, [RampedSinusoid(2.0, 1.0, 1e-9)], theta=0.1, t_end=60.0, solver="taylor")

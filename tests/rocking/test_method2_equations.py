@@ -252,3 +252,16 @@ def test_a_form_is_refused_from_the_friction_on_at_which_a_sliding_corner_jams(s
     Method2(block, friction=0.999 * most, g=G0, form=form)
     with pytest.raises(ValueError, match=r"may jam, or math\.inf"):
         Method2(block, friction=1.001 * most, g=G0, form=form)
+
+
+@pytest.mark.parametrize("s", [1.0, -1.0])
+def test_the_anchor_of_rounded_edges_is_the_centre_of_the_edge(s: float) -> None:
+    """It stands r over the lowest point, which is z above the floor, and rolls r theta on from where that one is."""
+    block = Block(b=0.2, h=0.8)
+    form = replace(Form.of(block), half_breadth=0.09, edge_radius=0.01)
+    system = Method2(block, friction=0.3, g=G0, form=form)
+    y, rate = (0.5, 0.02, s * 0.1, 0.3, -0.4, 0.7), (0.3, -0.4, 0.7, 1.1, -1.3, 1.7)
+    anchor = system.anchor(y, rate, s)
+    assert tuple(anchor) == pytest.approx(
+        (s * 0.09, 0.01, 0.5 + 0.01 * s * 0.1, 0.03, 1.1 + 0.01 * 1.7, -1.3), rel=1e-14
+    )

@@ -252,3 +252,13 @@ def test_a_block_that_friction_holds_falls_in_the_same_sample(lean: float) -> No
     assert held.fell is not None and stuck.fell == held.fell
     leaning = int(np.argmax(np.abs(held.rotation) > 0.9))
     assert stuck.rotation[:leaning] == pytest.approx(held.rotation[:leaning], abs=1e-8)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_round_edge_that_does_not_slip_rolls(side: float) -> None:
+    """What turns about the point of contact: d X / d phi is the height over it, d Z / d phi how far it is behind."""
+    P, h = replace(WORLD, radius=0.01, offset=0.004).vector(), 1e-5
+    for phi in (0.0, 0.1, 0.4):
+        before, now, after = (np.array(slip.places(side, phi + k * h, P)) for k in (-1, 0, 1))
+        slope = (after - before) / (2.0 * h)
+        assert slope[0] == pytest.approx(now[1], rel=1e-9) and slope[1] == pytest.approx(-now[2], rel=1e-9)
