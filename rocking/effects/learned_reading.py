@@ -1,32 +1,80 @@
-"""Learned reading: a rotation sensor that is not linear, as a short series.
+"""Learned reading: a rotation sensor that is not linear, as a short series and as a curve of any shape.
 
-Changes     the reading: theta + square theta^2 + cubic theta^3, before a gain and an offset
-Parameters  square [1/rad], cubic [1/rad^2]; 0 where absent
-Use when    a sensor bends toward the ends of its range, or an arc is read for an angle: how the reading is off, not why
-Limits      two terms, without hysteresis or drift; outside of what was measured they say nothing
-Source      a calibration curve (JCGM 200:2012, 4.31) as a series
-Status      by hand, and learned from decays of the laboratory with a cube added to what its sensor reads (tests)
+Changes     the reading: theta + square theta^2 + cubic theta^3 + c(theta), before a gain and an offset; c a natural
+            cubic spline over equal intervals from -reach to reach, beyond which it keeps its last value
+Parameters  square [1/rad], cubic [1/rad^2]; reach, where c ends [rad]; intervals, 1 to `MOST` [1]; curve_0 ...,
+            coefficients of c [rad], one more than there are intervals, as those of `rocking.effects.learned_curve`; 0
+            where absent
+Use when    a sensor bends toward the ends of its range, an arc is read for an angle, or the marks of an encoder are
+            uneven: how the reading is off, not why
+Limits      no hysteresis, no drift; what is narrower than an interval is smeared over it; outside of what was measured
+            neither series nor curve says anything
+Source      a calibration curve (JCGM 200:2012, 4.31) as a series, or as a spline: de Boor, A practical guide to splines
+            (1978)
+Status      by hand, against SciPy's natural splines, and learned from decays of the laboratory with a cube, or with
+            uneven marks, added to what its sensor reads (tests)
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import fields, make_dataclass
+from functools import cached_property
 from typing import Any, ClassVar
 
+import numpy as np
+
 from rocking.effect import Effect
+from rocking.effects.learned_curve import none_beyond
+
+MOST = 32
+"""Intervals of the curve at most."""
+
+MARKS = tuple(f"curve_{j}" for j in range(MOST + 1))
+"""Names of its coefficients."""
+
+_FIELDS = [
+    ("square", 0.0), ("cubic", 0.0), ("reach", 1.0), ("intervals", float(MOST)), *((name, 0.0) for name in MARKS),
+]  # fmt: skip
+
+_Coefficients: Any = make_dataclass("_Coefficients", [(n, float, v) for n, v in _FIELDS], bases=(Effect,), frozen=True)
 
 
-@dataclass(frozen=True)
-class LearnedReading(Effect):
-    """What a sensor adds to the rotation, by its square and its cube."""
-
-    square: float = 0.0
-    cubic: float = 0.0
+class LearnedReading(_Coefficients):
+    """What a sensor adds to the rotation: by its square and its cube, and by a curve."""
 
     name: ClassVar[str] = "learned_reading"
-    units: ClassVar[dict[str, str]] = {"square": "1/rad", "cubic": "1/rad^2"}
+    units: ClassVar[dict[str, str]] = dict.fromkeys(MARKS, "rad") | {
+        "square": "1/rad", "cubic": "1/rad^2", "reach": "rad", "intervals": "1",
+    }  # fmt: skip
+    ranges: ClassVar[dict[str, tuple[float, float]]] = {
+        "reach": (1e-6, 0.5 * math.pi),
+        "intervals": (1.0, float(MOST)),
+    }
     rank: ClassVar[int] = -1  # a gain and an offset are of what the sensor has made of the rotation
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        none_beyond(self, "intervals", MARKS)
+
+    def __repr__(self) -> str:
+        given = [(f.name, getattr(self, f.name)) for f in fields(self) if getattr(self, f.name) != f.default]
+        return f"LearnedReading({', '.join(f'{name}={value!r}' for name, value in given)})"
+
+    @cached_property
+    def _curve(self) -> Any:
+        """c as SciPy's spline; None where it is nothing."""
+        own = [float(getattr(self, name)) for name in MARKS[: int(self.intervals) + 1]]
+        if not any(own):
+            return None
+        from scipy.interpolate import BSpline
+
+        width = 2.0 * self.reach / (len(own) - 1)
+        # Before the first and after the last in line with their neighbours: no second derivative at either end.
+        coefficients = [2.0 * own[0] - own[1], *own, 2.0 * own[-1] - own[-2]]
+        return BSpline(-self.reach + width * (np.arange(len(own) + 6) - 3.0), coefficients, 3)
+
     def reading(self, theta: Any) -> Any:
-        """theta + square theta^2 + cubic theta^3 [rad]."""
-        return theta * (1.0 + theta * (self.square + self.cubic * theta))
+        """theta + square theta^2 + cubic theta^3 + c(theta) [rad]."""
+        bent = theta * (1.0 + theta * (self.square + self.cubic * theta))
+        return bent if self._curve is None else bent + self._curve(np.clip(theta, -self.reach, self.reach))

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from rocking.effects.learned_curve import EVEN, ODD, curve, numbers
 from rocking.effects.learned_damping import DAMPING
+from rocking.effects.learned_reading import MARKS, LearnedReading
 from studies.loop.learned_in_time import answer, by_parameters, loop, ringing, there_and_back
 from studies.loop.models.model import DRIFT, LoopModel
 from studies.loop.records.preparing import Setup
@@ -153,7 +154,7 @@ def _in_time(setup: Setup, settled: Settled, held: Mapping[str, int]) -> list[Cu
 
 
 def _splines(settled: Settled) -> list[_Part]:
-    """Torques and dampings against rotation of any shape."""
+    """Torques, dampings and readings against rotation of any shape."""
     torque = "An angular acceleration beyond that of the model without the term, a curve of any shape."
     kinds = (
         (CURVE, "odd_", ODD, "Torque against rotation, alike on both sides", torque, TORQUE),
@@ -175,6 +176,16 @@ def _splines(settled: Settled) -> list[_Part]:
             for j, name in enumerate(names[: n + 1])
         }
         found.append(_Part(label, words, "rotation [rad]", y_label, functions))
+    if f"{READING}.{MARKS[0]}" in settled.names:
+        fixed = {name: settled.whole.model.effects[READING][name] for name in ("reach", "intervals")}
+        ones = {name: LearnedReading(**fixed, **{name: 1.0}) for name in MARKS[: int(fixed["intervals"]) + 1]}
+        added = {f"{READING}.{name}": lambda x, one=one: one.reading(x) - x for name, one in ones.items()}
+        of_series = PARTS["reading"]
+        found.append(
+            _Part(
+                "Reading against rotation, a curve", of_series.description, of_series.x_label, of_series.y_label, added
+            )
+        )
     return found
 
 

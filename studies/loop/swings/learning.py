@@ -2,7 +2,7 @@
 
 Each coefficient of `rocking.effects.learned_term`, a drift of restitution from test to test, the curves of
 `rocking.effects.learned_curve` and of `rocking.effects.learned_damping`, the restitution with a memory of
-`rocking.effects.learned_memory`, the bend of the sensor of `rocking.effects.learned_reading`, the mass inside of
+`rocking.effects.learned_memory`, the bends of the sensor of `rocking.effects.learned_reading`, the mass inside of
 `rocking.effects.learned_mode` and the torque that lags of `rocking.effects.learned_hysteresis` are parameters whose
 default is nothing, fitted with the same machinery as the effects.  The greedy search stops when the next one does not
 lower the residual by `LEAST_GAIN`.
@@ -20,6 +20,7 @@ import numpy as np
 from rocking import G_STANDARD
 from rocking.effects.learned_curve import EVEN, ODD
 from rocking.effects.learned_damping import DAMPING
+from rocking.effects.learned_reading import MARKS
 from studies.campaigns import DeclaredBlock
 from studies.campaigns.swings import OPEN
 from studies.loop.models.candidates import Candidate
@@ -133,8 +134,19 @@ def readings(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
     ):
         return ()
     sizes = {"square": 0.02 / block.alpha, "cubic": 0.02 / block.alpha**2}
-    found = (Parameter(f"{READING}.{name}", size, -10.0 * size, 10.0 * size) for name, size in sizes.items())
-    return tuple(Candidate(f"learned[reading {p.name.partition('.')[2]}]", READING, (p,), (), {}) for p in found)
+    series = (Parameter(f"{READING}.{name}", size, -10.0 * size, 10.0 * size) for name, size in sizes.items())
+    found = [Candidate(f"learned[reading {p.name.partition('.')[2]}]", READING, (p,), (), {}) for p in series]
+    size, reach = 0.005 * block.alpha, _reach(windows)
+    for shape, n in (("smooth", 8), ("fine", 32)):
+        own = tuple(Parameter(f"{READING}.{name}", size, -50.0 * size, 50.0 * size) for name in MARKS[: n + 1])
+        fixed = {f"{READING}.reach": reach, f"{READING}.intervals": float(n)}
+        found.append(Candidate(f"learned[reading, {shape}]", READING, own, (), fixed))
+    return tuple(found)
+
+
+def _reach(windows: Sequence[Window]) -> float:
+    """Where a curve over all rotations ends [rad]."""
+    return min(FURTHEST * max(abs(w.theta) for w in windows), 0.5 * math.pi)
 
 
 def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
@@ -144,7 +156,7 @@ def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
     """
     p, alpha = block.p(), block.alpha
     torque = 0.02 * p**2 * alpha
-    reach = min(FURTHEST * max(abs(w.theta) for w in windows), 0.5 * math.pi)
+    reach = _reach(windows)
     shapes = (("near upright", NEAR_UPRIGHT, 4), ("smooth", 1.0, 4), ("fine to the middle", 0.5, 8), ("fine", 1.0, 16))
     kinds = (
         ("curve alike on both sides", CURVE, "odd_", ODD, torque),
