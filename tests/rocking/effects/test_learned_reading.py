@@ -1,11 +1,13 @@
-"""A sensor that bends, by hand and against SciPy's roots (rocking.effects.learned_reading)."""
+"""A sensor that bends, by hand and against SciPy's roots and splines (rocking.effects.learned_reading)."""
 
 import numpy as np
 import pytest
+from scipy.interpolate import make_interp_spline
 from scipy.optimize import brentq
 
 from rocking import Block, Method1, solve
 from rocking.effects import load
+from rocking.effects.learned_reading import MARKS, MOST, LearnedReading
 from rocking.instruments import rotation_sensor
 from studies.campaigns import DeclaredBlock
 from studies.loop.models.model import LoopModel
@@ -51,3 +53,27 @@ def test_a_reading_beyond_what_a_bent_sensor_can_say_has_no_rotation():
     """theta + 20 theta^2 is nowhere below -1/80 rad."""
     model = LoopModel(DECLARED, 0.9, {"learned_reading": {"square": 20.0}})
     assert np.isnan(model.rotation(-0.02))
+
+
+@pytest.mark.parametrize("n", [2, 8, MOST])
+def test_the_curve_is_the_natural_spline_through_its_values_at_the_knots(n):
+    """From one end of what was measured to the other, and constant beyond."""
+    reach, coefficients = 0.23, np.random.default_rng(n).normal(size=n + 1)
+    sensor = LearnedReading(reach=reach, intervals=float(n), **dict(zip(MARKS, map(float, coefficients), strict=False)))
+    knots, theta = np.linspace(-reach, reach, n + 1), np.linspace(-reach, reach, 301)
+    values = sensor.reading(knots) - knots
+    assert values[[0, -1]] == pytest.approx(coefficients[[0, -1]], rel=1e-12)
+    expected = make_interp_spline(knots, values, k=3, bc_type="natural")(theta)
+    np.testing.assert_allclose(sensor.reading(theta) - theta, expected, rtol=0.0, atol=1e-11)
+    beyond = np.array([-1.2, 0.9])
+    np.testing.assert_allclose(sensor.reading(beyond) - beyond, values[[0, -1]], rtol=1e-12)
+    assert float(sensor.reading(0.1)) == pytest.approx(float(sensor.reading(np.array([0.1]))[0]), rel=1e-15)
+
+
+def test_a_curve_of_nothing_adds_nothing_and_none_goes_beyond_its_intervals():
+    assert LearnedReading(square=0.1).reading(0.2) == 0.2 * (1.0 + 0.2 * 0.1)
+    with pytest.raises(ValueError, match=r"learned_reading.curve_4=1.0 rad: want none beyond curve_3, the last of 3"):
+        LearnedReading(intervals=3.0, curve_4=1.0)
+    with pytest.raises(ValueError, match=r"learned_reading.intervals=2.5: want a whole number"):
+        LearnedReading(intervals=2.5)
+    assert repr(LearnedReading(reach=0.2, curve_0=1e-3)) == "LearnedReading(reach=0.2, curve_0=0.001)"

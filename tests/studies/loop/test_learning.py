@@ -4,6 +4,7 @@ Free decays from both sides, with noise; the truth of each is a number of the la
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rocking.effects import load
 from rocking.effects.learned_curve import ODD, curve, numbers
 from rocking.effects.learned_damping import DAMPING
 from rocking.remembering import LONG_AGO
@@ -37,12 +39,16 @@ def still():
     return table.pieces(STEP, zero, zero, (zero, zero, zero))
 
 
-def decays(world: World, cubic: float = 0.0) -> tuple[Simulator, Trial]:
-    """Six releases, and the calibrated block fitted to their swings; the sensor adds so much of the cube [1/rad^2]."""
+def nothing(theta: np.ndarray) -> np.ndarray:
+    return np.zeros(theta.size)
+
+
+def decays(world: World, added: Callable[[np.ndarray], np.ndarray] = nothing) -> tuple[Simulator, Trial]:
+    """Six releases, and the calibrated block fitted to their swings; what the sensor adds to a rotation [rad]."""
     rng, tests = np.random.default_rng(1), []
     for k, lean in enumerate(LEANS):
         run = event.simulate(world, still(), STEP, 1, lean)
-        read = run.rotation + cubic * run.rotation**3 + NOISE * rng.standard_normal(run.rotation.size)
+        read = run.rotation + added(run.rotation) + NOISE * rng.standard_normal(run.rotation.size)
         tests.append(Test(f"free-{k}", "free", run.time, (Channel("rotation", "rotation", NOISE),), {"rotation": read}))
     records = [record_of(test, k, NOISE, DECLARED.alpha) for k, test in enumerate(tests)]
     simulator = Simulator(tests)
@@ -50,8 +56,8 @@ def decays(world: World, cubic: float = 0.0) -> tuple[Simulator, Trial]:
     return simulator, baseline(simulator, LoopModel(DECLARED, E, {}, G), windows)
 
 
-def learned(world: World, cubic: float = 0.0) -> Trial:
-    simulator, plain = decays(world, cubic)
+def learned(world: World, added: Callable[[np.ndarray], np.ndarray] = nothing) -> Trial:
+    simulator, plain = decays(world, added)
     assert plain.swing.rms > 1.3
     found = learn(simulator, plain, lambda text: None)
     # Two states are fitted to each window: what is left of pure noise is below it.
@@ -158,9 +164,25 @@ def test_a_layer_that_slips_is_learned_as_hysteresis() -> None:
 @pytest.mark.parametrize("cubic", [0.4, -0.4])
 def test_a_sensor_that_bends_is_learned_as_one(cubic: float) -> None:
     """Three per cent of the reading at the largest lean."""
-    found = learned(IDEAL, cubic)
+    found = learned(IDEAL, lambda theta: cubic * theta**3)
     assert found.names == ("learned[reading cubic]",)
     assert found.swing.model.get("learned_reading.cubic") == pytest.approx(cubic, rel=0.05)
+    assert found.swing.model.restitution == pytest.approx(E, abs=5e-4)
+
+
+@pytest.mark.slow
+def test_uneven_marks_of_an_encoder_are_drawn_as_they_are() -> None:
+    """1 mrad once in every 0.08 rad; eight intervals of the curve."""
+
+    def added(theta: np.ndarray) -> np.ndarray:
+        return np.asarray(1e-3 * np.sin(2.0 * np.pi * theta / 0.08 + 0.5))
+
+    found = learned(IDEAL, added)
+    assert found.names == ("learned[reading, fine]",)
+    own = found.swing.model.effects["learned_reading"]
+    theta = np.linspace(-0.2, 0.2, 101)
+    # Noise of a coefficient is a few hundredths of the sensor's own, what a spline leaves of such a sine 2e-5.
+    np.testing.assert_allclose(load("learned_reading")(**own).reading(theta) - theta, added(theta), rtol=0.0, atol=1e-4)
     assert found.swing.model.restitution == pytest.approx(E, abs=5e-4)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from rocking.effects import available
+from rocking.effects import available, load
 from studies.loop.dataset import dataset
 from studies.loop.finding_file import as_json
 from studies.loop.models.names import page, readable
@@ -235,6 +235,15 @@ def test_what_a_sensor_adds_is_drawn_over_the_rotation():
     np.testing.assert_allclose(curve.y, -0.5 * curve.x**3, rtol=1e-12)
     np.testing.assert_allclose(curve.high - curve.low, 2.0 * 1.96 * 0.2 * np.abs(curve.x) ** 3, rtol=1e-12, atol=1e-18)
     assert (curve.label, curve.y_label) == ("Reading against rotation", "added to the reading [rad]")
+
+
+def test_a_curve_of_a_sensor_is_drawn_over_the_rotation():
+    values = {"learned_reading.reach": 0.2, "learned_reading.intervals": 2.0}
+    values |= {f"learned_reading.curve_{j}": size for j, size in enumerate((1e-3, -2e-3, 1e-3))}
+    [curve] = retold(values, 1e-8 * np.eye(3)).learned
+    own = load("learned_reading")(reach=0.2, intervals=2.0, curve_0=1e-3, curve_1=-2e-3, curve_2=1e-3)
+    np.testing.assert_allclose(curve.y, own.reading(curve.x) - curve.x, rtol=0.0, atol=1e-15)
+    assert curve.label == "Reading against rotation, a curve" and (curve.high > curve.low).all()
 
 
 @pytest.mark.parametrize("name", available())
