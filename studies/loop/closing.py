@@ -138,6 +138,9 @@ def close(
         named, rivals = Revision(plain, path.fits[0], ()), ()
     elif not rivals:
         named = revised(setup, plain, path.trials[-1], path.fits[-1], rounds, tell)
+    else:
+        # What whole records brought in last may be all that there is: nothing has asked for what came before it since.
+        named, rivals = _all_needed(setup, plain, named, rivals, rounds, tell)
     tell("comparing rivals")
     if not rivals and named.trial.parts:
         named, rivals = _compared(setup, plain, named, rounds, tell)
@@ -166,6 +169,17 @@ def close(
         ),
         after,
     )  # fmt: skip
+
+
+def _all_needed(
+    setup: Setup, plain: Trial, named: Revision, rivals: tuple[Rival, ...], rounds: Sequence[Round], tell: Tell
+) -> tuple[Revision, tuple[Rival, ...]]:
+    """What whole records decided on, with its rivals; without an effect that is not needed, and then without them.
+
+    rounds: of the search.
+    """
+    shorter = without_needless(setup, plain, named, rounds, tell)
+    return (named, rivals) if shorter is None else (shorter, ())
 
 
 def _compared(

@@ -129,7 +129,8 @@ def without_needless(
 ) -> Revision | None:
     """What stands without an effect that it does not need, looked at as that was; None if it needs them all.
 
-    To be asked of a trial that took the place of its twin: of what it has in that one's place there may be nothing.
+    To be asked of a trial that took the place of its twin: of what it has in that one's place there may be nothing;
+    and where whole records brought in the last effect, since that may be all that there is.
 
     rounds: of the search.
     """

@@ -204,6 +204,19 @@ def test_rivals_are_looked_for_again_where_the_best_one_has_something_needless(m
     assert compared() == (named, (twin, pair))
 
 
+def test_what_whole_records_brought_in_may_be_all_that_is_needed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A gain of the base, found by whole records on top of a mass that swings had taken for it."""
+    named, alone, rivals = Revision("both", "", ()), Revision("gain", "", ()), ("of both",)  # type: ignore[arg-type]
+    answers = [alone, None]
+    monkeypatch.setattr(closing, "without_needless", lambda *given: answers.pop(0))
+
+    def asked() -> tuple[Revision, tuple[Rival, ...]]:
+        return closing._all_needed(None, None, named, rivals, [], quiet)  # type: ignore[arg-type]
+
+    assert asked() == (alone, ())
+    assert asked() == (named, rivals)
+
+
 def test_what_the_search_said_goes_with_what_it_took() -> None:
     path = SimpleNamespace(last=SimpleNamespace(names=("a", "b")), said=("of a with b",))
     assert closing._of_the_search(path, SimpleNamespace(names=("b", "a"))) == ("of a with b",)  # type: ignore[arg-type]
