@@ -16,7 +16,7 @@ from rocking.effects.learned_curve import EVEN, ODD, curve, numbers
 from rocking.effects.learned_damping import DAMPING
 from rocking.effects.learned_reading import MARKS, LearnedReading
 from studies.loop.learned_in_time import answer, by_parameters, loop, ringing, there_and_back
-from studies.loop.models.model import DRIFT, LoopModel
+from studies.loop.models.model import DRIFT, FADING, LoopModel
 from studies.loop.records.preparing import Setup
 from studies.loop.swings.learning import CURVE, HYSTERESIS, LOSS, MEMORY, MODE, READING, TERM
 from studies.loop.whole.settling import Settled
@@ -121,7 +121,14 @@ def curves(setup: Setup, settled: Settled) -> tuple[Curve, ...]:
             "tests done before", "change of restitution [1]", {},
         )  # fmt: skip
         x = np.arange(len(setup.campaign.tests), dtype=np.float64)
-        found.append(_linear(part, {DRIFT: lambda x: x}, held, settled, x))
+        model = settled.whole.model
+        if FADING not in held:
+            found.append(_linear(part, {DRIFT: lambda x: x}, held, settled, x))
+        else:
+            drift, fading = model.drift, model.fading
+            tests = -np.expm1(-fading * x) / fading
+            rows = np.array([tests, drift * (x * np.exp(-fading * x) - tests) / fading])
+            found.append(_banded(part, x, drift * tests, rows, [held[DRIFT], held[FADING]], settled))
     return tuple(found)
 
 

@@ -40,6 +40,7 @@ mass = 11.2
 restitution = 0.92
 gravity = 9.81
 restitution_drift = 0.0
+restitution_drift_fading = 0.0
 number = 3
 [effects.rounded_edges]
 radius = 0.003

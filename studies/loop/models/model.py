@@ -22,8 +22,8 @@ from rocking.motion import BaseMotion
 from studies.campaigns import Channel, DeclaredBlock
 
 RESTITUTION = "restitution"
-DRIFT = "restitution_drift"
-"""Full name of the change of restitution from one test to the next."""
+DRIFT, FADING = "restitution_drift", "restitution_drift_fading"
+"""Full names of the change of restitution from the first test to the next, and of how fast it fades after that."""
 
 GRAVITY = "gravity"
 """Full name of the acceleration of gravity at the laboratory."""
@@ -54,6 +54,8 @@ class LoopModel:
         effects: parameters by name, by effect.
         g: gravity [m/s^2].
         drift: change of restitution from one test to the next, in the order in which they were done [1].
+        fading: by how much that change fades from test to test, as exp(-fading number) [1]: 0 goes on for ever, more
+            comes to an end, drift / fading away from where it began.
         number: of the test [1], counted from the first of the campaign that was learned from.
         mountings: how far accelerometers on the block are turned from their declared axes, by channel [rad], clockwise
             as the rotation of the block.
@@ -66,6 +68,7 @@ class LoopModel:
     drift: float = 0.0
     number: int = 0
     mountings: Mapping[str, float] = field(default_factory=dict)
+    fading: float = 0.0
 
     @cached_property
     def block(self) -> Block:
@@ -95,7 +98,9 @@ class LoopModel:
     @property
     def restitution_now(self) -> float:
         """Restitution in this test [1], within 0 and 1."""
-        return min(max(self.restitution + self.drift * self.number, 0.0), 1.0)
+        fading = self.fading
+        tests = self.number if fading == 0.0 else -math.expm1(-fading * self.number) / fading
+        return min(max(self.restitution + self.drift * tests, 0.0), 1.0)
 
     def in_test(self, number: int) -> LoopModel:
         """The model in the test of that number after its own; itself where nothing drifts."""
@@ -143,7 +148,7 @@ class LoopModel:
 
     def get(self, name: str) -> float:
         """A parameter by its full name, "restitution", "mounting.channel" or "effect.parameter"."""
-        own = {RESTITUTION: self.restitution, DRIFT: self.drift, GRAVITY: self.g}
+        own = {RESTITUTION: self.restitution, DRIFT: self.drift, FADING: self.fading, GRAVITY: self.g}
         if name in own:
             return own[name]
         effect, _, parameter = name.partition(".")
@@ -154,7 +159,7 @@ class LoopModel:
     def changed(self, values: Mapping[str, float]) -> LoopModel:
         """The model with some parameters, by full name, at other values; effects that it lacks are added."""
         effects = {name: dict(parameters) for name, parameters in self.effects.items()}
-        own = {RESTITUTION: self.restitution, DRIFT: self.drift, GRAVITY: self.g}
+        own = {RESTITUTION: self.restitution, DRIFT: self.drift, FADING: self.fading, GRAVITY: self.g}
         mountings = dict(self.mountings)
         for name, value in values.items():
             if name in own:
@@ -164,5 +169,6 @@ class LoopModel:
             table = mountings if effect == MOUNTING else effects.setdefault(effect, {})
             table[parameter] = float(value)
         return replace(
-            self, restitution=own[RESTITUTION], drift=own[DRIFT], g=own[GRAVITY], effects=effects, mountings=mountings
-        )
+            self, restitution=own[RESTITUTION], drift=own[DRIFT], fading=own[FADING], g=own[GRAVITY], effects=effects,
+            mountings=mountings,
+        )  # fmt: skip

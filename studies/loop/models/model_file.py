@@ -26,7 +26,7 @@ from studies.running.files import save_text
 from studies.running.toml_file import read_toml
 
 TABLES = ("title", "block", "model", "effects", "mountings", "outcomes")
-MODEL_KEYS = ("restitution", "gravity", "restitution_drift", "number")
+MODEL_KEYS = ("restitution", "gravity", "restitution_drift", "restitution_drift_fading", "number")
 
 
 class ModelError(ValueError):
@@ -43,6 +43,7 @@ def write_model(model: LoopModel, path: Path, title: str = "", more: Mapping[str
             "restitution": model.restitution,
             "gravity": model.g,
             "restitution_drift": model.drift,
+            "restitution_drift_fading": model.fading,
             "number": model.number,
         },
         "effects": {name: dict(parameters) for name, parameters in model.effects.items()},
@@ -77,7 +78,10 @@ def read_model(path: Path) -> LoopModel:
         _number(path, "model.restitution_drift", model.get("restitution_drift", 0.0)),
         int(_number(path, "model.number", model.get("number", 0))),
         _mountings(path, content.get("mountings", {})),
+        _number(path, "model.restitution_drift_fading", model.get("restitution_drift_fading", 0.0)),
     )
+    if found.fading < 0.0:
+        raise ModelError(f"{path}: model.restitution_drift_fading={found.fading}: want 0 or more")
     if not 0.0 <= found.restitution <= 1.0:
         raise ModelError(f"{path}: model.restitution={found.restitution}: want a number from 0 to 1")
     if min(found.declared.breadth, found.declared.height, found.declared.depth, found.declared.mass) <= 0.0:

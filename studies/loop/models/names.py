@@ -7,13 +7,14 @@ import sys
 from dataclasses import dataclass
 
 from rocking.effects import load
-from studies.loop.models.model import DRIFT, GRAVITY, MOUNTING, RESTITUTION
+from studies.loop.models.model import DRIFT, FADING, GRAVITY, MOUNTING, RESTITUTION
 
 _SECTION = re.compile(r"^([A-Z][a-z]*(?: [a-z]+)?)\s{2,}(\S.*)$")
 
 OWN = {
     RESTITUTION: "angular velocity after an impact over that before",
     DRIFT: "change of restitution from one test to the next",
+    FADING: "how fast the change of restitution fades from test to test, as exp(-fading number)",
     GRAVITY: "acceleration of gravity, as accelerometers on the block read it",
 }
 """Parameters that belong to no effect."""

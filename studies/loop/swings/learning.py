@@ -24,7 +24,7 @@ from rocking.effects.learned_reading import MARKS
 from studies.campaigns import DeclaredBlock
 from studies.campaigns.swings import OPEN
 from studies.loop.models.candidates import Candidate
-from studies.loop.models.model import DRIFT
+from studies.loop.models.model import DRIFT, FADING
 from studies.loop.models.parameters import Parameter
 from studies.loop.observed.windows import SIDE, Window
 from studies.loop.runs.simulation import Simulator
@@ -113,7 +113,14 @@ def terms(block: DeclaredBlock) -> tuple[Candidate, ...]:
         )
         for name in ("friction", "damping")
     )
-    return (*found.values(), *by_side, _term(DRIFT, 0.002))
+    return (*found.values(), *by_side, _term(DRIFT, 0.002), _fading())
+
+
+def _fading() -> Candidate:
+    """A restitution that goes to another one in the course of the campaign, as of contacts that bed in."""
+    starts = tuple({DRIFT: size, FADING: fading} for fading in (0.15, 0.6) for size in (0.003, -0.003))
+    own = Parameter(DRIFT, 0.002, -0.1, 0.1), Parameter(FADING, 0.3, 0.02, 3.0, log=True)
+    return Candidate(f"{DRIFT}, fading", TERM, own, starts, {}, smooth=False)
 
 
 def unnamed(block: DeclaredBlock) -> list[Candidate]:

@@ -17,7 +17,7 @@ import numpy as np
 from studies.loop.fits.estimating import sensor_covariance
 from studies.loop.fits.fitting import Fit, fit, fit_records
 from studies.loop.models.candidates import Candidate
-from studies.loop.models.model import DRIFT
+from studies.loop.models.model import DRIFT, FADING
 from studies.loop.models.parameters import Parameter
 from studies.loop.records.preparing import Setup
 from studies.loop.records.scoring import errors
@@ -166,7 +166,8 @@ def _alone(setup: Setup, onto: Trial, found: Fit) -> Fit:
         for name, values in found.model.effects.items() if name in of
     }  # fmt: skip
     drift = found.model.drift if DRIFT in fitted else onto.swing.model.drift
-    model = replace(found.model, effects=effects, drift=drift)
+    fading = found.model.fading if FADING in fitted else onto.swing.model.fading
+    model = replace(found.model, effects=effects, drift=drift, fading=fading)
     return fit_records(setup.simulator, model, onto.every, found.windows, iterations=8)
 
 

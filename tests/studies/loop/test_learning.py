@@ -4,7 +4,7 @@ Free decays from both sides, with noise; the truth of each is a number of the la
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -43,11 +43,17 @@ def nothing(theta: np.ndarray) -> np.ndarray:
     return np.zeros(theta.size)
 
 
-def decays(world: World, added: Callable[[np.ndarray], np.ndarray] = nothing) -> tuple[Simulator, Trial]:
-    """Six releases, and the calibrated block fitted to their swings; what the sensor adds to a rotation [rad]."""
+def decays(
+    world: World, added: Callable[[np.ndarray], np.ndarray] = nothing, gained: Sequence[float] = (0.0,) * len(LEANS)
+) -> tuple[Simulator, Trial]:
+    """Six releases, and the calibrated block fitted to their swings.
+
+    added: what the sensor adds to a rotation [rad]; gained: what each test has beyond the restitution of the world.
+    """
     rng, tests = np.random.default_rng(1), []
     for k, lean in enumerate(LEANS):
-        run = event.simulate(world, still(), STEP, 1, lean)
+        now = replace(world, restitution=world.restitution + gained[k])
+        run = event.simulate(now, still(), STEP, 1, lean)
         read = run.rotation + added(run.rotation) + NOISE * rng.standard_normal(run.rotation.size)
         tests.append(Test(f"free-{k}", "free", run.time, (Channel("rotation", "rotation", NOISE),), {"rotation": read}))
     records = [record_of(test, k, NOISE, DECLARED.alpha) for k, test in enumerate(tests)]
@@ -56,8 +62,10 @@ def decays(world: World, added: Callable[[np.ndarray], np.ndarray] = nothing) ->
     return simulator, baseline(simulator, LoopModel(DECLARED, E, {}, G), windows)
 
 
-def learned(world: World, added: Callable[[np.ndarray], np.ndarray] = nothing) -> Trial:
-    simulator, plain = decays(world, added)
+def learned(
+    world: World, added: Callable[[np.ndarray], np.ndarray] = nothing, gained: Sequence[float] = (0.0,) * len(LEANS)
+) -> Trial:
+    simulator, plain = decays(world, added, gained)
     assert plain.swing.rms > 1.3
     found = learn(simulator, plain, lambda text: None)
     # Two states are fitted to each window: what is left of pure noise is below it.
@@ -168,6 +176,17 @@ def test_a_sensor_that_bends_is_learned_as_one(cubic: float) -> None:
     assert found.names == ("learned[reading cubic]",)
     assert found.swing.model.get("learned_reading.cubic") == pytest.approx(cubic, rel=0.05)
     assert found.swing.model.restitution == pytest.approx(E, abs=5e-4)
+
+
+@pytest.mark.slow
+def test_contacts_that_bed_in_are_learned_with_the_restitution_they_come_to() -> None:
+    """It grows by 0.02 in all, by a share of 1 - exp(-0.5) of what is left from each test to the next."""
+    found = learned(IDEAL, gained=[0.02 * (1.0 - math.exp(-0.5 * k)) for k in range(len(LEANS))])
+    assert found.names == ("restitution_drift, fading",)
+    model = found.swing.model
+    assert model.in_test(100).restitution_now == pytest.approx(E + 0.02, abs=1e-3)
+    assert model.restitution == pytest.approx(E, abs=5e-4)
+    assert model.fading == pytest.approx(0.5, rel=0.15)
 
 
 @pytest.mark.slow

@@ -1,8 +1,11 @@
 """Models on disk: what was written reads back, and what is wrong is named."""
 
+import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from scipy.integrate import quad
 
 from studies.campaigns import DeclaredBlock
 from studies.loop.__main__ import main
@@ -69,3 +72,13 @@ def test_a_model_that_is_not_there_ends_the_command_with_a_sentence(
 def test_restitution_drifts_with_the_number_of_the_test() -> None:
     assert MODEL.in_test(3).restitution_now == pytest.approx(MODEL.restitution + 1e-4 * 10, rel=1e-15)
     assert LoopModel(BLOCK, 0.9).in_test(3).number == 0
+
+
+def test_a_drift_that_fades_comes_to_an_end() -> None:
+    """The sum of changes that each are smaller by exp(-fading), and drift / fading away in the end."""
+    model = LoopModel(BLOCK, 0.9, drift=-0.004, fading=0.25)
+    for number in (0, 1, 7):
+        expected = 0.9 - quad(lambda n: 0.004 * math.exp(-0.25 * n), 0.0, number)[0]
+        assert model.in_test(number).restitution_now == pytest.approx(expected, rel=1e-12)
+    assert model.in_test(10**6).restitution_now == pytest.approx(0.9 - 0.016, rel=1e-12)
+    assert replace(model, fading=1e-9).in_test(7).restitution_now == pytest.approx(0.9 - 0.028, rel=1e-6)
