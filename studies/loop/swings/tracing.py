@@ -77,8 +77,9 @@ NEXT_TO_NOTHING = 1.2
 NOT_NEEDED = "nothing over the noise; runs take long"
 """What others leave where such a floor is not tried at all."""
 
-HOPEFUL = 0.3
-"""A candidate is fitted to the end if it leaves no more than this share of the best one's gain."""
+HOPEFUL, HOPEFUL_TO_LEAD = 0.3, 0.1
+"""A candidate is fitted to the end if it leaves no more than this share of the best one's gain; or where the best alone is
+asked for."""
 
 E = Parameter(RESTITUTION, 0.01, 0.02, 1.0)
 
@@ -314,7 +315,8 @@ def _fitted(
             found.skipped[candidate.name] = f"{MOST_COSTLY} others explain more of some windows; runs take long"
         firsts = firsts[:MOST_COSTLY]
     begun = [(candidate, _on_all(simulator, onto, candidate, first)) for candidate, first in firsts]
-    ended = _ended(simulator, onto, begun, tell, min((t.swing.chi2 for t in found.trials), default=math.inf))
+    lowest = min((t.swing.chi2 for t in found.trials), default=math.inf)
+    ended = _ended(simulator, onto, begun, tell, lowest, HOPEFUL_TO_LEAD if leading else HOPEFUL)
     found.trials += [onto.with_(c, swing, found.scores.get(c.name, math.nan)) for c, swing in ended]
 
 
@@ -464,13 +466,15 @@ def _ended(
     begun: Sequence[tuple[Candidate, Fit]],
     tell: Callable[[str], None],
     before: float,
+    hopeful: float = HOPEFUL,
 ) -> list[tuple[Candidate, Fit]]:
     """The candidates with their fits, those that come near the best of all until they converge.
 
     before: the lowest chi-square of candidates that were fitted before.
+    hopeful: what near is, of the best one's gain.
     """
     lowest = min([first.chi2 for _, first in begun] + [before])
-    near = lowest + max(HOPEFUL * (onto.swing.chi2 - lowest), PAYS)
+    near = lowest + max(hopeful * (onto.swing.chi2 - lowest), PAYS)
     out = []
     for candidate, first in begun:
         if first.chi2 > near:
