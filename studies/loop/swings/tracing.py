@@ -78,7 +78,7 @@ NOT_NEEDED = "nothing over the noise; runs take long"
 """What others leave where such a floor is not tried at all."""
 
 HOPEFUL, HOPEFUL_TO_LEAD = 0.3, 0.1
-"""A candidate is fitted to the end if it leaves no more than this share of the best one's gain; the second where the best
+"""A candidate is fitted to the end if it leaves no more than this share of the best one's gain; the second if the best
 alone is asked for."""
 
 E = Parameter(RESTITUTION, 0.01, 0.02, 1.0)
