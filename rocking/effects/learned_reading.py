@@ -1,10 +1,10 @@
 """Learned reading: a rotation sensor that is not linear, as a short series and as a curve of any shape.
 
 Changes     the reading: theta + square theta^2 + cubic theta^3 + c(theta), before a gain and an offset; c a natural
-            cubic spline over equal intervals from -reach to reach, beyond which it keeps its last value
-Parameters  square [1/rad], cubic [1/rad^2]; reach, where c ends [rad]; intervals, 1 to `MOST` [1]; curve_0 ...,
-            coefficients of c [rad], one more than there are intervals, as those of `rocking.effects.learned_curve`; 0
-            where absent
+            cubic spline over equal intervals from low to high, beyond which it keeps its last value
+Parameters  square [1/rad], cubic [1/rad^2]; low and high, where c begins and ends [rad]; intervals, 1 to `MOST` [1];
+            curve_0 ..., coefficients of c [rad], one more than there are intervals, as those of
+            `rocking.effects.learned_curve`; 0 where absent
 Use when    a sensor bends toward the ends of its range, an arc is read for an angle, or the marks of an encoder are
             uneven: how the reading is off, not why
 Limits      no hysteresis, no drift; what is narrower than an interval is smeared over it; outside of what was measured
@@ -34,7 +34,8 @@ MARKS = tuple(f"curve_{j}" for j in range(MOST + 1))
 """Names of its coefficients."""
 
 _FIELDS = [
-    ("square", 0.0), ("cubic", 0.0), ("reach", 1.0), ("intervals", float(MOST)), *((name, 0.0) for name in MARKS),
+    ("square", 0.0), ("cubic", 0.0), ("low", -1.0), ("high", 1.0), ("intervals", float(MOST)),
+    *((name, 0.0) for name in MARKS),
 ]  # fmt: skip
 
 _Coefficients: Any = make_dataclass("_Coefficients", [(n, float, v) for n, v in _FIELDS], bases=(Effect,), frozen=True)
@@ -45,10 +46,11 @@ class LearnedReading(_Coefficients):
 
     name: ClassVar[str] = "learned_reading"
     units: ClassVar[dict[str, str]] = dict.fromkeys(MARKS, "rad") | {
-        "square": "1/rad", "cubic": "1/rad^2", "reach": "rad", "intervals": "1",
+        "square": "1/rad", "cubic": "1/rad^2", "low": "rad", "high": "rad", "intervals": "1",
     }  # fmt: skip
     ranges: ClassVar[dict[str, tuple[float, float]]] = {
-        "reach": (1e-6, 0.5 * math.pi),
+        "low": (-0.5 * math.pi, 0.5 * math.pi),
+        "high": (-0.5 * math.pi, 0.5 * math.pi),
         "intervals": (1.0, float(MOST)),
     }
     rank: ClassVar[int] = -1  # a gain and an offset are of what the sensor has made of the rotation
@@ -56,6 +58,8 @@ class LearnedReading(_Coefficients):
     def __post_init__(self) -> None:
         super().__post_init__()
         none_beyond(self, "intervals", MARKS)
+        if not self.low < self.high:
+            raise ValueError(f"learned_reading.low={self.low!r} rad: want less than high={self.high!r}")
 
     def __repr__(self) -> str:
         given = [(f.name, getattr(self, f.name)) for f in fields(self) if getattr(self, f.name) != f.default]
@@ -69,12 +73,12 @@ class LearnedReading(_Coefficients):
             return None
         from scipy.interpolate import BSpline
 
-        width = 2.0 * self.reach / (len(own) - 1)
+        width = (self.high - self.low) / (len(own) - 1)
         # Before the first and after the last in line with their neighbours: no second derivative at either end.
         coefficients = [2.0 * own[0] - own[1], *own, 2.0 * own[-1] - own[-2]]
-        return BSpline(-self.reach + width * (np.arange(len(own) + 6) - 3.0), coefficients, 3)
+        return BSpline(self.low + width * (np.arange(len(own) + 6) - 3.0), coefficients, 3)
 
     def reading(self, theta: Any) -> Any:
         """theta + square theta^2 + cubic theta^3 + c(theta) [rad]."""
         bent = theta * (1.0 + theta * (self.square + self.cubic * theta))
-        return bent if self._curve is None else bent + self._curve(np.clip(theta, -self.reach, self.reach))
+        return bent if self._curve is None else bent + self._curve(np.clip(theta, self.low, self.high))

@@ -184,7 +184,7 @@ def _splines(settled: Settled) -> list[_Part]:
         }
         found.append(_Part(label, words, "rotation [rad]", y_label, functions))
     if f"{READING}.{MARKS[0]}" in settled.names:
-        fixed = {name: settled.whole.model.effects[READING][name] for name in ("reach", "intervals")}
+        fixed = {name: settled.whole.model.effects[READING][name] for name in ("low", "high", "intervals")}
         ones = {name: LearnedReading(**fixed, **{name: 1.0}) for name in MARKS[: int(fixed["intervals"]) + 1]}
         added = {f"{READING}.{name}": lambda x, one=one: one.reading(x) - x for name, one in ones.items()}
         of_series = PARTS["reading"]

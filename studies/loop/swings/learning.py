@@ -143,17 +143,14 @@ def readings(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
     sizes = {"square": 0.02 / block.alpha, "cubic": 0.02 / block.alpha**2}
     series = (Parameter(f"{READING}.{name}", size, -10.0 * size, 10.0 * size) for name, size in sizes.items())
     found = [Candidate(f"learned[reading {p.name.partition('.')[2]}]", READING, (p,), (), {}) for p in series]
-    size, reach = 0.005 * block.alpha, _reach(windows)
+    # Not further to one side than the block went: what nothing was read of would be anything.
+    size, peaks = 0.005 * block.alpha, [w.theta for w in windows]
+    ends = {f"{READING}.low": FURTHEST * min(0.0, *peaks), f"{READING}.high": FURTHEST * max(0.0, *peaks)}
     for shape, n in (("smooth", 8), ("fine", 32)):
         own = tuple(Parameter(f"{READING}.{name}", size, -50.0 * size, 50.0 * size) for name in MARKS[: n + 1])
-        fixed = {f"{READING}.reach": reach, f"{READING}.intervals": float(n)}
+        fixed = {**ends, f"{READING}.intervals": float(n)}
         found.append(Candidate(f"learned[reading, {shape}]", READING, own, (), fixed))
     return tuple(found)
-
-
-def _reach(windows: Sequence[Window]) -> float:
-    """Where a curve over all rotations ends [rad]."""
-    return min(FURTHEST * max(abs(w.theta) for w in windows), 0.5 * math.pi)
 
 
 def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
@@ -163,7 +160,7 @@ def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
     """
     p, alpha = block.p(), block.alpha
     torque = 0.02 * p**2 * alpha
-    reach = _reach(windows)
+    reach = min(FURTHEST * max(abs(w.theta) for w in windows), 0.5 * math.pi)
     shapes = (("near upright", NEAR_UPRIGHT, 4), ("smooth", 1.0, 4), ("fine to the middle", 0.5, 8), ("fine", 1.0, 16))
     kinds = (
         ("curve alike on both sides", CURVE, "odd_", ODD, torque),

@@ -58,9 +58,10 @@ def test_a_reading_beyond_what_a_bent_sensor_can_say_has_no_rotation():
 @pytest.mark.parametrize("n", [2, 8, MOST])
 def test_the_curve_is_the_natural_spline_through_its_values_at_the_knots(n):
     """From one end of what was measured to the other, and constant beyond."""
-    reach, coefficients = 0.23, np.random.default_rng(n).normal(size=n + 1)
-    sensor = LearnedReading(reach=reach, intervals=float(n), **dict(zip(MARKS, map(float, coefficients), strict=False)))
-    knots, theta = np.linspace(-reach, reach, n + 1), np.linspace(-reach, reach, 301)
+    ends, coefficients = (-0.17, 0.23), np.random.default_rng(n).normal(size=n + 1)
+    own = dict(zip(MARKS, map(float, coefficients), strict=False))
+    sensor = LearnedReading(low=ends[0], high=ends[1], intervals=float(n), **own)
+    knots, theta = np.linspace(*ends, n + 1), np.linspace(*ends, 301)
     values = sensor.reading(knots) - knots
     assert values[[0, -1]] == pytest.approx(coefficients[[0, -1]], rel=1e-12)
     expected = make_interp_spline(knots, values, k=3, bc_type="natural")(theta)
@@ -76,4 +77,6 @@ def test_a_curve_of_nothing_adds_nothing_and_none_goes_beyond_its_intervals():
         LearnedReading(intervals=3.0, curve_4=1.0)
     with pytest.raises(ValueError, match=r"learned_reading.intervals=2.5: want a whole number"):
         LearnedReading(intervals=2.5)
-    assert repr(LearnedReading(reach=0.2, curve_0=1e-3)) == "LearnedReading(reach=0.2, curve_0=0.001)"
+    with pytest.raises(ValueError, match=r"learned_reading.low=0.3 rad: want less than high=0.2"):
+        LearnedReading(low=0.3, high=0.2)
+    assert repr(LearnedReading(high=0.2, curve_0=1e-3)) == "LearnedReading(high=0.2, curve_0=0.001)"

@@ -154,7 +154,7 @@ def test_unexplained_with_a_learned_term(tmp_path):
 def retold(values, covariance):
     """The tilt's finding with other parameters in its model, of which the covariance is given."""
     finding = found.tilted()
-    names = tuple(name for name in values if "reach" not in name and "intervals" not in name)
+    names = tuple(name for name in values if not name.endswith(("reach", "intervals", ".low", ".high")))
     whole = dataclasses.replace(finding.settled.whole, model=finding.after.changed(values))
     return dataclasses.replace(
         finding, settled=dataclasses.replace(finding.settled, names=names, covariance=covariance, whole=whole)
@@ -238,10 +238,11 @@ def test_what_a_sensor_adds_is_drawn_over_the_rotation():
 
 
 def test_a_curve_of_a_sensor_is_drawn_over_the_rotation():
-    values = {"learned_reading.reach": 0.2, "learned_reading.intervals": 2.0}
+    ends = {"low": -0.15, "high": 0.2, "intervals": 2.0}
+    values = {f"learned_reading.{name}": value for name, value in ends.items()}
     values |= {f"learned_reading.curve_{j}": size for j, size in enumerate((1e-3, -2e-3, 1e-3))}
     [curve] = retold(values, 1e-8 * np.eye(3)).learned
-    own = load("learned_reading")(reach=0.2, intervals=2.0, curve_0=1e-3, curve_1=-2e-3, curve_2=1e-3)
+    own = load("learned_reading")(**ends, curve_0=1e-3, curve_1=-2e-3, curve_2=1e-3)
     np.testing.assert_allclose(curve.y, own.reading(curve.x) - curve.x, rtol=0.0, atol=1e-15)
     assert curve.label == "Reading against rotation, a curve" and (curve.high > curve.low).all()
 
