@@ -74,7 +74,7 @@ def test_missing_samples_do_not_matter():
 def test_too_broken_a_record_is_refused():
     values = np.ones(200)
     values[::10] = np.nan
-    with pytest.raises(ValueError, match="no 32 samples in a row"):
+    with pytest.raises(ValueError, match="no 48 samples in a row"):
         noise(values, STEP)
 
 
