@@ -35,8 +35,8 @@ def resampled(record: Record, time_step: float) -> Record:
 
     positive("time_step", time_step, "s")
     ratio = record.time_step / time_step
-    # Beyond twice that no fraction is near, and infinity is none.
-    fraction = Fraction(ratio).limit_denominator(MAX_RATIO) if ratio < 2 * MAX_RATIO else Fraction(0)
+    # Beyond that none is near; of infinity there is no fraction.
+    fraction = Fraction(ratio).limit_denominator(MAX_RATIO) if ratio < MAX_RATIO + 1 else Fraction(0)
     if fraction.numerator > MAX_RATIO or fraction <= 0 or abs(float(fraction) - ratio) > 1e-9 * ratio:
         raise ValueError(f"time_step={time_step!r} s: want a ratio to {record.time_step!r} s of small whole numbers")
     count = math.floor(record.duration / time_step * (1.0 + 1e-12)) + 1

@@ -116,7 +116,7 @@ def rectangular_pulse(duration: float, p: float) -> float:
 
 
 MOST_RATIO = 1e6
-"""Frequency of a pulse over p up to which it is looked at: shorter ones take more than 1e6 times g alpha."""
+"""Frequency of a pulse over p up to which it is looked at: a half sine then takes half as many times g alpha."""
 
 
 def _sine_pulse(ratio: float, half_cycles: int) -> float:
@@ -160,7 +160,7 @@ def half_sine_pulse(ratio: float) -> float:
     Housner (1963) with the onset of rocking at A sin(psi) = 1 taken into account; not sqrt(1 + ratio^2).
 
     Args:
-        ratio: angular frequency of the sine over p [1].
+        ratio: angular frequency of the sine over p [1], at most `MOST_RATIO`.
     """
     return _sine_pulse(ratio, 1)
 
@@ -171,7 +171,7 @@ def full_sine_pulse(ratio: float) -> float:
     After Zhang & Makris (2001); overturning after an impact may need less (`rocking.pulse_overturning`).
 
     Args:
-        ratio: angular frequency of the sine over p [1].
+        ratio: angular frequency of the sine over p [1], at most `MOST_RATIO`.
     """
     return _sine_pulse(ratio, 2)
 
@@ -186,7 +186,7 @@ def full_cosine_pulse(ratio: float) -> float:
     after an impact may need less (`rocking.pulse_overturning`).
 
     Args:
-        ratio: angular frequency of the cosine over p [1].
+        ratio: angular frequency of the cosine over p [1], at most `MOST_RATIO`.
     """
     _check_ratio(ratio)
     return -(1.0 + ratio * ratio) / math.expm1(-2.0 * math.pi / ratio)

@@ -52,7 +52,7 @@ def _row(series: str, rows: list[dict[str, str]]) -> list[str]:
         f"{median(over):.2f}" if over else "-",
         _share(x <= 1.5 for x in over),
         _share(abs(x - 1.0) <= 0.2 for x in claimed),
-        f"{median(float(r['cpu_s']) for r in done):.0f}",
+        f"{median(float(r['cpu_s']) for r in done):.0f}" if done else "-",
     ]
 
 

@@ -6,4 +6,7 @@
 The model is calibrated first, as a careful engineer would (restitution, leans at release).  What is left over is traced
 to an effect of `rocking.effects`, which is fitted and compared with its rivals; errors before and after are reported on
 tests that neither the fit nor the choice saw.
+
+Rooms, each standing on those before it: `models`, `runs` of them, what is `observed`, `fits`, the `records` of a
+campaign, what its `swings` and its `whole` records tell, the `search`; then `closing`, and what is written of it.
 """

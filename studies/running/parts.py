@@ -67,8 +67,12 @@ def _reached(module: str) -> list[Path]:
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Import):
                 names += [each.name for each in node.names]
-            elif isinstance(node, ast.ImportFrom) and node.module:
-                names += [node.module, *(f"{node.module}.{each.name}" for each in node.names)]
+            elif isinstance(node, ast.ImportFrom):
+                # One dot is the package that the module is in, or is.
+                above = name.split(".")[: None if file.name == "__init__.py" else -1]
+                beside = above[: len(above) - node.level + 1] if node.level else []
+                base = ".".join([*beside, *([node.module] if node.module else [])])
+                names += [base, *(f"{base}.{each.name}" for each in node.names)]
         ahead += [(each, _file_of(each)) for each in names]
     return [found[name] for name in sorted(found)]
 

@@ -62,6 +62,9 @@ def test_sources_are_those_that_a_run_reaches():
     assert {"fit.py", "__init__.py", "free_vibration.py"} <= reached and "tracing.py" not in reached
     evaluation = {path.name for path in parts_module._reached("studies.sweep.evaluation")}
     assert {"evaluation.py", "declared.py", "overturning.py"} <= evaluation
+    # By a dot as well.
+    laboratory = {path.name for path in parts_module._reached("studies.laboratory")}
+    assert {"event.py", "slip.py", "contact.py", "parameters.py"} <= laboratory
     assert sources_hash("studies.sweep.evaluation") != sources_hash("studies.fig05") != sources_hash()
 
 

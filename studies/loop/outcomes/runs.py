@@ -103,4 +103,4 @@ class Runs:
 def _key(model: LoopModel) -> object:
     effects: Mapping[str, Mapping[str, float]] = model.effects
     own = tuple((name, tuple(sorted(p.items()))) for name, p in sorted(effects.items()))
-    return model.restitution, model.drift, own
+    return model.restitution, model.drift, model.fading, own

@@ -191,7 +191,7 @@ def test_contacts_that_bed_in_are_learned_with_the_restitution_they_come_to() ->
 
 @pytest.mark.slow
 def test_uneven_marks_of_an_encoder_are_drawn_as_they_are() -> None:
-    """1 mrad once in every 0.08 rad; eight intervals of the curve."""
+    """1 mrad once in every 0.08 rad, which are five intervals of the curve."""
 
     def added(theta: np.ndarray) -> np.ndarray:
         return np.asarray(1e-3 * np.sin(2.0 * np.pi * theta / 0.08 + 0.5))
@@ -200,7 +200,8 @@ def test_uneven_marks_of_an_encoder_are_drawn_as_they_are() -> None:
     assert found.names == ("learned[reading, fine]",)
     own = found.swing.model.effects["learned_reading"]
     theta = np.linspace(-0.2, 0.2, 101)
-    # Noise of a coefficient is a few hundredths of the sensor's own, what a spline leaves of such a sine 2e-5.
+    # The spline nearest to such a sine leaves 6e-6; noise of the sensor is 1e-4, and some hundred samples are read
+    # in an interval.
     np.testing.assert_allclose(load("learned_reading")(**own).reading(theta) - theta, added(theta), rtol=0.0, atol=1e-4)
     assert found.swing.model.restitution == pytest.approx(E, abs=5e-4)
 
