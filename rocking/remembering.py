@@ -1,11 +1,14 @@
-"""A block whose impacts remember those before: Method 1 with effects, with two more states.
+"""A block whose impacts remember those before: Method 1 with effects, with three more states.
 
     impacts  how many there have been since the start that were faster than least_speed
     pause    time since the last one of these [s]; long before the first one
+    use      sum of |omega|^worn_exponent over all of these since the block was new [(rad/s)^worn_exponent]
 
-    e += first exp(-impacts / first_impacts) + recent exp(-pause / recent_time)
+    e += first exp(-impacts / first_impacts) + recent exp(-pause / recent_time) + worn (1 - exp(-use / worn_use))
 
-Source   own, a plain description of surfaces that bed in within a test, or that take time to recover after an impact.
+Source   own, a plain description of surfaces that bed in within a test, that take time to recover after an impact, or
+         that wear for good: by each impact (exponent 0), or by the energy that it takes (exponent 2), as wear goes with
+         work in Archard (1953), J. Appl. Phys. 24, 981.
 Status   Method 1 with effects where both are zero, and by hand from impact to impact (tests).
 """
 
@@ -45,21 +48,26 @@ class Parameters(NamedTuple):
     recent: float  # [1]
     recent_time: float  # [s]
     least_speed: float  # [rad/s]
+    worn: float  # [1]
+    worn_use: float  # [(rad/s)^worn_exponent]
+    worn_exponent: float  # [1]
     hooks: Any
 
 
 def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Any) -> tuple[Any, ...]:
-    """(omega, theta'', 0, 1)."""
+    """(omega, theta'', 0, 1, 0)."""
     omega, acceleration = composed_flow(xp, y, q, base, par)
-    return omega, acceleration, 0.0 * y[2], 1.0 + 0.0 * y[3]
+    return omega, acceleration, 0.0 * y[2], 1.0 + 0.0 * y[3], 0.0 * y[4]
 
 
 def jump(xp: Any, y: Any, q: Discrete, base: Base, par: Any, k: Any) -> tuple[tuple[Any, ...], Discrete]:
-    """Those of `rocking.composed`; an impact that is fast enough is counted, and the time since it begins."""
+    """Those of `rocking.composed`; an impact that is fast enough counts and wears, and the time since it begins."""
     struck = (k == IMPACT) & (xp.abs(y[1]) > par.least_speed)
-    more = par.first * xp.exp(-y[2] / par.first_impacts) + par.recent * xp.exp(-y[3] / par.recent_time)
+    worn = par.worn * (1.0 - xp.exp(-y[4] / par.worn_use))
+    more = par.first * xp.exp(-y[2] / par.first_impacts) + par.recent * xp.exp(-y[3] / par.recent_time) + worn
     (theta, omega), after = jump_with(xp, y, q, base, par, k, more, 0.0)
-    return (theta, omega, xp.where(struck, y[2] + 1.0, y[2]), xp.where(struck, 0.0, y[3])), after
+    use = xp.where(struck, y[4] + xp.abs(y[1]) ** par.worn_exponent, y[4])
+    return (theta, omega, xp.where(struck, y[2] + 1.0, y[2]), xp.where(struck, 0.0, y[3]), use), after
 
 
 @dataclass(frozen=True)
@@ -74,6 +82,10 @@ class RememberingBlock(OnRigidBlock):
         recent_time: after so long a pause this has fallen to 1/e [s], positive.
         least_speed: impacts that are not faster are not remembered [rad/s], 0 or more: a base that hardly moves makes
             hundreds that leave no trace.
+        worn: what the restitution of a block that has been used for long has more than that of a new one [1].
+        worn_use: after so much use this is there but for 1/e [(rad/s)^worn_exponent], positive.
+        worn_exponent: power of its speed by which an impact wears [1], 0 or more.
+        used: use before the start [(rad/s)^worn_exponent], 0 or more.
 
     Raises:
         ValueError: a number is out of its range.
@@ -85,9 +97,13 @@ class RememberingBlock(OnRigidBlock):
     recent: float
     recent_time: float
     least_speed: float = 0.0
+    worn: float = 0.0
+    worn_use: float = 1.0
+    worn_exponent: float = 2.0
+    used: float = 0.0
 
     name = "method1"
-    state_names = ("theta", "omega", "impacts", "pause")
+    state_names = ("theta", "omega", "impacts", "pause", "use")
     guard_names = ("fall", "impact", "tip_right", "tip_left")
     carries_pitch = True
     inadmissible_reason = ""
@@ -102,6 +118,10 @@ class RememberingBlock(OnRigidBlock):
         positive("first_impacts", self.first_impacts, "1")
         positive("recent_time", self.recent_time, "s")
         within("least_speed", self.least_speed, 0.0, math.inf)
+        within("worn", self.worn, -1.0, 1.0)
+        positive("worn_use", self.worn_use, "(rad/s)^worn_exponent")
+        within("worn_exponent", self.worn_exponent, 0.0, math.inf)
+        within("used", self.used, 0.0, math.inf)
 
     @cached_property
     def parameters(self) -> Parameters:
@@ -109,14 +129,18 @@ class RememberingBlock(OnRigidBlock):
         return Parameters(
             **self.rigid.parameters._asdict(), first=float(self.first), first_impacts=float(self.first_impacts),
             recent=float(self.recent), recent_time=float(self.recent_time), least_speed=float(self.least_speed),
+            worn=float(self.worn), worn_use=float(self.worn_use), worn_exponent=float(self.worn_exponent),
         )  # fmt: skip
 
     def initial_state(
-        self, theta: float = 0.0, omega: float = 0.0, impacts: float = 0.0, pause: float = LONG_AGO
+        self, theta: float = 0.0, omega: float = 0.0, impacts: float = 0.0, pause: float = LONG_AGO, use: float = 0.0
     ) -> tuple[tuple[float, ...], Discrete]:
-        """At rest if upright and still, else rocking on the edge that carries; after so many impacts and so long."""
+        """At rest if upright and still, else rocking on the edge that carries; after so many impacts and so long.
+
+        use: besides what the block had been used before.
+        """
         y, q = self.rigid.initial_state(theta, omega)
-        return (*y, float(impacts), float(pause)), q
+        return (*y, float(impacts), float(pause), self.used + float(use)), q
 
     def anchor(self, y: Any, rate: Any, s: Any) -> Anchor:
         """The centre of the edge on which the block rolls."""

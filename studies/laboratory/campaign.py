@@ -20,7 +20,7 @@ from .by_mujoco import ratio_by_momentum
 from .effects import NAMED, SPOKEN, TWINS, UNNAMED, Draw, Lab, draw
 from .instruments import Bench, reading, record, without_response
 from .parameters import housner, uniform
-from .plans import LEAN_NOISE, Plan, check_together, falls, forced, free, respond
+from .plans import LEAN_NOISE, Plan, check_together, falls, forced, free, respond, used
 from .prediction import calibrated, errors, predicted, rms
 from .table import Table
 from .truth import Truth
@@ -137,6 +137,7 @@ def tuned(seed, names, ideal, plans, bench, draws, strength):
     best = None
     for _ in range(7):
         lab, parameters = planted(ideal, names, draws, k)
+        lab = used(lab, plans)
         model, before, floor = visibility(ideal, lab, whole, plans, recorded(seed, names, lab, plans, whole))
         ratio = before / floor
         miss = abs(np.log(ratio / target))
@@ -247,9 +248,11 @@ def make_campaign(
     lab, parameters, model, before, floor, k = tuned(seed, effects, ideal, plans, bench, draws, strength)
     if "overturns" in odd:
         plans.append(falls(rng, lab, "ramp-1.8Hz-01", rate, len(plans)))
+    lab = used(lab, plans)
     tests = recorded(seed, effects, lab, plans, bench)
     for _ in range(6):
         ahead = plan_ahead(rng, ideal, rate, len(plans))
+        lab = used(lab, [*plans, *ahead])
         later = recorded(seed, effects, lab, ahead, replace(bench, nuisances=frozenset()), whole=True)
         hidden = {p.id: hidden_response(lab, p, bench) for p in ahead}
         scores = {"floor": score(lab, ahead, later, hidden), "baseline": score(model, ahead, later, hidden)}

@@ -44,6 +44,7 @@ class Lab:
     sensors: Sensors = field(default_factory=Sensors)
     engine: str = "event"
     wear: float = 0.0  # loss of restitution from one test to the next
+    uses: tuple[float, ...] = ()  # rad^2/s^2, of a block that is ground: use before each test, in order
     grip: float = GRIPS  # friction of corners on springs
 
 
@@ -296,6 +297,21 @@ def bedding_in(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     return _world(lab, bedding=min(0.2, k * d.between(0.01, 0.04))), {}
 
 
+def grinding(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
+    """Impacts crush the edges, the more the faster they are, and for all tests to come."""
+    w = lab.world
+    p2 = w.mass * w.gravity * np.hypot(w.half_breadth, w.centre_height) / w.corner_inertia
+    # An impact from half the balance angle has 0.75 p^2 alpha^2; a campaign has a hundred or two of them.
+    use = (20.0 + 100.0 * d.other) * p2 * w.alpha**2
+    return _world(lab, grind=min(0.1, k * d.between(0.01, 0.04)), grind_use=use), {}
+
+
+def one_sided_cable(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
+    """A cable rubs while the block leans far toward one side."""
+    hung, _ = one_sided_friction(lab, d, k)
+    return _world(hung, guide_from=(0.15 + 0.3 * d.other) * lab.world.alpha), {}
+
+
 def ribbed_cable(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     """A cable runs over an edge with ribs: a torque periodic in rotation."""
     return _world(lab, rib=d.sign * k * d.between(0.05, 0.4), rib_period=(0.2 + 0.4 * d.other) * lab.world.alpha), {}
@@ -341,7 +357,8 @@ UNNAMED: dict[str, Effect] = {
     f.__name__: f
     for f in (
         restitution_by_side, wear, cubic_torque, hinge_friction, one_sided_friction, one_sided_damping, squeezed_air,
-        leaking_restitution, bedding_in, ribbed_cable, magnet, hysteretic_layer, slosh, curved_sensor,
+        leaking_restitution, bedding_in, grinding, one_sided_cable, ribbed_cable, magnet, hysteretic_layer, slosh,
+        curved_sensor,
     )
 }  # fmt: skip
 

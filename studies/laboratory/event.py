@@ -26,9 +26,10 @@ VIS, QUA, TK, TP, TM, ADH = (
     INDEX[k] for k in ("viscous", "quadratic", "tether_stiffness", "tether_plus", "tether_minus", "adhesion")
 )
 SLOPE, SIDE, LEAK, LEAKT, BED = (INDEX[k] for k in ("slope", "side", "leak", "leak_time", "bedding"))
+GRI, GRIU, USED = (INDEX[k] for k in ("grind", "grind_use", "used"))
 CUB, HIN, SVIS, RIB, RIBP = (INDEX[k] for k in ("cubic", "hinge", "side_viscous", "rib", "rib_period"))
 MAG, MAGW, LAY, LAYW = (INDEX[k] for k in ("magnet", "magnet_width", "layer", "layer_width"))
-GUI, SQU, SQUW = (INDEX[k] for k in ("guide", "squeeze", "squeeze_width"))
+GUI, GUIF, SQU, SQUW = (INDEX[k] for k in ("guide", "guide_from", "squeeze", "squeeze_width"))
 SM, SL, SH, SD = (INDEX[k] for k in ("slosh_mass", "slosh_length", "slosh_height", "slosh_damping"))
 
 REST_SPEED = 1e-4  # rad/s after an impact, below which the block may come to rest
@@ -61,7 +62,7 @@ def field(x, c, P):
 @njit
 def rubbing(s, phi, P):
     """Dry friction, as an angular acceleration."""
-    return P[HIN] * phi + (P[GUI] if s > 0 else 0.0)
+    return P[HIN] * phi + (P[GUI] if s > 0 and phi >= P[GUIF] else 0.0)
 
 
 @njit
@@ -163,9 +164,10 @@ def rk4(x, h, c, s, phi, v, q, qd, turn, P):
 
 
 @njit
-def restitution(s, speed, since, count, P):
+def restitution(s, speed, since, count, use, P):
     """Speed after over before, for an impact that ends a swing on side s."""
     e = P[E0] + P[SLOPE] * speed - P[LEAK] * np.exp(-since / P[LEAKT]) - P[BED] * np.exp(-count / 4.0)
+    e -= P[GRI] * (1.0 - np.exp(-use / P[GRIU]))
     e *= 1.0 + s * P[SIDE]
     if P[OFF] != 0.0:
         # What is gained over the balance of angular momentum is the same on both sides; the balance is not.
@@ -233,7 +235,7 @@ def run(C, h, every, theta0, P, out, hits):
     s = 1.0 if theta0 >= 0 else -1.0
     phi, v, q, qd, last, turn = abs(theta0), 0.0, 0.0, 0.0, -1e9, 0.0
     rocking = phi > 0.0
-    count = 0
+    count, use = 0, P[USED]
     for k in range(C.shape[0] + 1):
         c = C[min(k, C.shape[0] - 1)]
         x = 0.0 if k < C.shape[0] else h
@@ -300,7 +302,8 @@ def run(C, h, every, theta0, P, out, hits):
             p1, v1, q1, d1 = rk4(x, tau, c, s, phi, v, q, qd, turn, P)
             x += tau
             time = k * h + x
-            e = restitution(s, abs(v1), time - last, count, P)
+            e = restitution(s, abs(v1), time - last, count, use, P)
+            use += v1 * v1
             v2 = e * abs(v1)
             if P[SM] != 0.0:
                 # The hanging mass keeps its momentum along its own arc while the hinge jerks.

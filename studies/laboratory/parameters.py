@@ -39,10 +39,14 @@ class World:
     leak: float = 0.0  # restitution is e - leak exp(-time since the last impact / leak_time)
     leak_time: float = 1.0  # s
     bedding: float = 0.0  # restitution is e - bedding exp(-impacts so far / 4)
+    grind: float = 0.0  # restitution is e - grind (1 - exp(-use / grind_use)), use the sum of squares of impact speeds
+    grind_use: float = 1.0  # rad^2/s^2
+    used: float = 0.0  # rad^2/s^2, use in the tests before
     # torques that no list has
     cubic: float = 0.0  # 1/(s^2 rad^2), angular acceleration -cubic theta^3
     hinge: float = 0.0  # 1/s^2 per rad of lean: Coulomb friction that grows with the lean
     guide: float = 0.0  # 1/s^2, Coulomb friction while leaning toward +x alone
+    guide_from: float = 0.0  # rad, lean from which it rubs
     squeeze: float = 0.0  # 1/s, damping that fades with lean
     squeeze_width: float = 1.0  # rad
     side_viscous: float = 0.0  # 1/s, while leaning toward +x alone

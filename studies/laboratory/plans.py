@@ -60,9 +60,22 @@ def check_together(effects: Iterable[str], engine: str = "event") -> None:
 
 def worn(lab: Lab, order: int) -> Lab:
     """The laboratory as it is at the time of a test."""
+    if lab.uses:
+        lab = replace(lab, world=replace(lab.world, used=lab.uses[order]))
     if not lab.wear:
         return lab
     return replace(lab, world=replace(lab.world, restitution=lab.world.restitution - lab.wear * order))
+
+
+def used(lab: Lab, plans: Iterable[Plan]) -> Lab:
+    """The laboratory with what impacts take in each of these tests, done one after the other, from the first on."""
+    if not lab.world.grind:
+        return lab
+    uses = [0.0]
+    for plan in plans:
+        hits = respond(replace(lab, uses=(*[0.0] * plan.order, uses[-1])), plan).impacts
+        uses.append(uses[-1] + float(np.sum(hits[:, 1] ** 2)))
+    return replace(lab, uses=tuple(uses[:-1]))
 
 
 def respond(lab: Lab, plan: Plan) -> Response:

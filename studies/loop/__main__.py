@@ -15,7 +15,6 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 
 from excitation import _early
@@ -98,7 +97,7 @@ def _close_records(
     """Close the loop on records and write all files into the folder; the finding in a line."""
     finding = close(campaign, g=gravity, tell=tell, keeper=keeper)
     write_model(finding.before, folder / "baseline.toml", campaign.title)
-    write_model(replace(finding.after, number=len(campaign.tests)), folder / "model.toml", campaign.title)
+    write_model(finding.later(finding.after), folder / "model.toml", campaign.title)
     content = as_json(finding, next_test(finding))
     write_finding(content, folder / "loop.json")
     tell("writing loop.nc and report.html")

@@ -5,6 +5,7 @@ Status   campaigns with records of the response; `studies.loop.outcomes.closing`
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -17,7 +18,7 @@ from studies.loop.learned_curves import Curve, curves
 from studies.loop.models.model import LoopModel
 from studies.loop.models.names import readable
 from studies.loop.observed.spread import DRAWS, floor, variances
-from studies.loop.observed.windows import scored_window
+from studies.loop.observed.windows import scored_window, struck_before
 from studies.loop.records.preparing import Setup, as_declared, prepare
 from studies.loop.records.scoring import Errors, errors, leaning, median
 from studies.loop.runs.keeping import Keeper
@@ -25,7 +26,7 @@ from studies.loop.search.learning_of_records import unseen
 from studies.loop.search.revising import Revision, revised, taken_out, without_needless
 from studies.loop.search.rounds import Path
 from studies.loop.search.searching import traced
-from studies.loop.swings.learning import FREEDOMS, LEARNED, LOSS, alike, learn, memories, profiles, unnamed
+from studies.loop.swings.learning import FREEDOMS, LEARNED, LOSS, MEMORY, alike, learn, memories, profiles, unnamed
 from studies.loop.swings.tracing import (
     PAYS,
     Round,
@@ -92,6 +93,14 @@ class Finding:
         last = {id(r.onto): r for r in self.deciding}
         again = (r for r in self.deciding if all(r.onto is not known.onto for known in self.rounds))
         return (*(r.updated(last[id(r.onto)]) if id(r.onto) in last else r for r in self.rounds), *again)
+
+    def later(self, model: LoopModel) -> LoopModel:
+        """A model of the block as the campaign leaves it: after so many tests, and with the use that it has had."""
+        model = replace(model, number=len(self.setup.campaign.tests))
+        if MEMORY not in model.effects:
+            return model
+        use = struck_before(self.setup.records[-1], math.inf).use(model.effects[MEMORY]["worn_exponent"])
+        return model.changed({f"{MEMORY}.used": use})
 
     @property
     def learned(self) -> tuple[Curve, ...]:

@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 
 from rocking.effects.learned_curve import EVEN, ODD, curve, numbers
 from rocking.effects.learned_damping import DAMPING
+from rocking.effects.learned_friction import FRICTION
 from rocking.effects.learned_reading import MARKS, LearnedReading
 from studies.loop.learned_in_time import answer, by_parameters, loop, ringing, there_and_back
 from studies.loop.models.model import DRIFT, FADING, LoopModel
+from studies.loop.observed.windows import struck_before
 from studies.loop.records.preparing import Setup
-from studies.loop.swings.learning import CURVE, HYSTERESIS, LOSS, MEMORY, MODE, READING, TERM
+from studies.loop.swings.learning import CURVE, HYSTERESIS, LOSS, MEMORY, MODE, READING, RUBBING, TERM
 from studies.loop.whole.settling import Settled
 
 Array = NDArray[np.float64]
@@ -114,6 +116,8 @@ def curves(setup: Setup, settled: Settled) -> tuple[Curve, ...]:
             _linear(part, part.functions, held, settled, np.linspace(-1.0, 1.0, 2 * POINTS) * _reach(setup, "rotation"))
         )
     found += [_decay(setup, settled, held, depth, span) for depth, span in MEMORIES if f"{MEMORY}.{depth}" in held]
+    if f"{MEMORY}.worn" in held:
+        found.append(_worn(setup, settled, held))
     found += _in_time(setup, settled, held)
     if DRIFT in held:
         part = _Part(
@@ -161,7 +165,7 @@ def _in_time(setup: Setup, settled: Settled, held: Mapping[str, int]) -> list[Cu
 
 
 def _splines(settled: Settled) -> list[_Part]:
-    """Torques, dampings and readings against rotation of any shape."""
+    """Torques, dampings, frictions and readings against rotation of any shape."""
     torque = "An angular acceleration beyond that of the model without the term, a curve of any shape."
     kinds = (
         (CURVE, "odd_", ODD, "Torque against rotation, alike on both sides", torque, TORQUE),
@@ -183,6 +187,13 @@ def _splines(settled: Settled) -> list[_Part]:
             for j, name in enumerate(names[: n + 1])
         }
         found.append(_Part(label, words, "rotation [rad]", y_label, functions))
+    if f"{RUBBING}.{FRICTION[0]}" in settled.names:
+        low, high, most = (settled.whole.model.effects[RUBBING][name] for name in ("low", "high", "intervals"))
+        units = np.eye(round(most) + 1)
+        rubs = {f"{RUBBING}.{name}": _from(low, high, unit) for name, unit in zip(FRICTION, units, strict=False)}
+        words = "An angular acceleration in the direction of the motion, against it where negative, whatever the speed."
+        label, x_label = "Friction against rotation", "rotation [rad]"
+        found.append(_Part(label, words, x_label, TORQUE, rubs))
     if f"{READING}.{MARKS[0]}" in settled.names:
         fixed = {name: settled.whole.model.effects[READING][name] for name in ("low", "high", "intervals")}
         ones = {name: LearnedReading(**fixed, **{name: 1.0}) for name in MARKS[: int(fixed["intervals"]) + 1]}
@@ -204,6 +215,11 @@ def _spline(kind: str, of_it: tuple[float, ...]) -> Callable[[Array], Array]:
     return there
 
 
+def _from(low: float, high: float, coefficients: Array) -> Callable[[Array], Array]:
+    own = numbers(high - low, tuple(coefficients))
+    return lambda x: np.asarray(curve(np, x - low, own, 0))
+
+
 def _decay(setup: Setup, settled: Settled, held: Mapping[str, int], depth: str, span: str) -> Curve:
     """A restitution that depends on the impacts before, with a band to first order in its two parameters."""
     model = settled.whole.model
@@ -220,6 +236,22 @@ def _decay(setup: Setup, settled: Settled, held: Mapping[str, int], depth: str, 
         "change of restitution [1]", {},
     )  # fmt: skip
     return _banded(part, x, size * fall, rows, places, settled)
+
+
+def _worn(setup: Setup, settled: Settled, held: Mapping[str, int]) -> Curve:
+    """A restitution that changes with use, with a band to first order in its two parameters."""
+    model = settled.whole.model
+    size, span, exponent = (model.get(f"{MEMORY}.{name}") for name in ("worn", "worn_use", "worn_exponent"))
+    x = np.linspace(0.0, struck_before(setup.records[-1], math.inf).use(exponent), POINTS)
+    fall = np.exp(-x / span)
+    rows = np.array([1.0 - fall, -size * x / span**2 * fall])
+    squares = exponent == 2.0
+    part = _Part(
+        "Restitution against use", "What is added to the restitution as the campaign goes on.",
+        "sum of the squares of the speeds of all impacts before [rad²/s²]" if squares else "all impacts before",
+        "change of restitution [1]", {},
+    )  # fmt: skip
+    return _banded(part, x, size * (1.0 - fall), rows, [held[f"{MEMORY}.worn"], held[f"{MEMORY}.worn_use"]], settled)
 
 
 def _linear(

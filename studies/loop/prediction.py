@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rocking.effects.learned_memory import LearnedMemory
 from studies.campaigns import Campaign, Test
 from studies.loop.models.model import LoopModel
 from studies.loop.observed.instruments import accelerations
@@ -35,7 +36,14 @@ def predict(model: LoopModel, campaign: Campaign, simulator: Simulator | None = 
         Job(0, k, np.ascontiguousarray(test.time), float(test.time[0]), float(test.initial_rotation or 0.0))
         for k, test in enumerate(campaign.tests)
     ]
-    return simulator.run([model], jobs)
+    if not model.effects.get(LearnedMemory.name, {}).get("worn"):
+        return simulator.run([model], jobs)
+    answers: list[Answer] = []
+    for job in jobs:  # what a test wears the next one finds
+        answers += simulator.run([model], [job])
+        use = answers[-1].y[:, model.system.state_names.index("use")]
+        model = model.changed({f"{LearnedMemory.name}.used": use[np.flatnonzero(np.isfinite(use))[-1]]})
+    return answers
 
 
 def simulator_of(model: LoopModel, campaign: Campaign) -> Simulator:

@@ -64,13 +64,14 @@ def next_test(finding: Finding) -> str:
             "would show effects that act at large rotation only."
         )
     proposals = _proposals(finding)
-    simulator = Simulator([p.test for p in proposals])
+    simulator = Simulator([p.test for p in proposals], numbers=[0] * len(proposals))
+    models = [finding.later(model) for model in question.models]
     jobs = [
         Job(m, k, np.ascontiguousarray(p.test.time), float(p.test.time[0]), p.lean)
         for m in range(2)
         for k, p in enumerate(proposals)
     ]
-    answers = simulator.run(question.models, jobs)
+    answers = simulator.run(models, jobs)
     n = len(proposals)
     noise = _noise(finding)
     apart = [

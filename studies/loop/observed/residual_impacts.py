@@ -35,6 +35,8 @@ class Impacts:
     sd: Array  # of the restitution [1]
     number: Array  # impacts of the record before it [1]
     pause: Array  # time since the last one of these [s]
+    in_all: Array  # impacts before it, with those of the tests before [1]
+    squares: Array  # sum of the squares of their speeds [rad^2/s^2]
 
 
 def impacts(record: Record) -> Impacts:
@@ -45,7 +47,7 @@ def impacts(record: Record) -> Impacts:
         side = record.found.swings[impact.swing].side
         if math.isfinite(e) and math.isfinite(sd) and abs(impact.before) > 3.0 * impact.before_sd:
             rows.append((impact.time, side, impact.before, e, sd, *struck_before(record, impact.time)))
-    columns = np.array(rows, dtype=np.float64).reshape(-1, 7).T
+    columns = np.array(rows, dtype=np.float64).reshape(-1, 9).T
     return Impacts(columns[0], columns[1].astype(np.int64), *columns[2:])
 
 
@@ -59,7 +61,8 @@ def modelled_restitution(model: LoopModel, simulator: Simulator, test: int, seen
     omega = seen.omega / model.reading_slope(0.0)
     q = Discrete(np.full(omega.shape, ROTATION), seen.side.astype(np.float64), np.ones(omega.shape))
     k = system.guard_names.index("impact")
-    y = (np.zeros(omega.shape), omega, seen.number, seen.pause)[: len(system.state_names)]
+    use = seen.squares if getattr(system, "worn_exponent", 0.0) == 2.0 else seen.in_all
+    y = (np.zeros(omega.shape), omega, seen.number, seen.pause, use)[: len(system.state_names)]
     (_, after, *_), then = system.jump(np, y, q, base, with_numpy(system.parameters), k)
     return np.where(then.mode == REST, np.nan, after / omega)
 

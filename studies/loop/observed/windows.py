@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studies.campaigns import Channel, Test
+from studies.campaigns import Channel, DeclaredBlock, Test
 from studies.campaigns.clipping import before_overturning, clipped
 from studies.campaigns.smoothing import state
 from studies.campaigns.swings import Segmentation, segment
@@ -33,6 +33,9 @@ SIDE = Channel("side", "rotation")
 """Not a sensor: that the true rotation passes zero where accelerometers show the side to change."""
 
 ANY_SIDE = 9
+
+SHARP = 0.02
+"""Standard deviation of a speed over itself up to which its square is taken as it was seen."""
 
 RELEASE_SD = 2e-3
 """How far from what was aimed at a lean by hand may be [rad], one standard deviation."""
@@ -57,6 +60,8 @@ class Record:
     felt: Array | None = None  # what the base sensor's noise does to them sample by sample, shape (channel, time)
     sides: NDArray[np.int64] | None = None  # +1, -1, 0 at rest, `ANY_SIDE` where not known, shape (time,)
     lean_read: bool = True  # whether the lean was read by the sensor; else it is the rotation that was aimed at
+    struck: Struck = NEVER  # impacts of the tests before
+    squares: tuple[float, ...] = ()  # of the speeds at which the swings ended [rad^2/s^2], where `in_order` was asked
 
 
 @dataclass(frozen=True)
@@ -113,8 +118,12 @@ class Window:
 
 
 def struck_before(record: Record, time: float) -> Struck:
-    """The impacts before some time [s] that ended a swing; one of which a gap holds the time counts from the gap."""
-    swings, found = record.found.swings, NEVER
+    """The impacts before some time [s] that ended a swing; one of which a gap holds the time counts from the gap.
+
+    With them those of the tests before.
+    """
+    swings, found = record.found.swings, record.struck
+    squares = record.squares or (0.0,) * len(swings)
     for k, swing in enumerate(swings):
         seen = record.found.bounds(k)[1]
         end = seen if math.isfinite(seen) else float(record.time[min(swing.stop, record.time.size - 1)])
@@ -124,8 +133,32 @@ def struck_before(record: Record, time: float) -> Struck:
         # A gap may lie within a swing: then both its parts are to one side, and no impact between them.
         if after is not None and after.side == swing.side and np.isnan(record.rotation[swing.stop : after.start]).any():
             continue
-        found = Struck(found.impacts + 1, time - end)
+        found = Struck(found.impacts + 1, time - end, found.in_all + 1, found.squares + squares[k])
     return found
+
+
+def squares_of_speeds(found: Segmentation, block: DeclaredBlock) -> tuple[float, ...]:
+    """Square of the speed at which each swing ended [rad^2/s^2].
+
+    As it was seen, where that is sharp; else what gravity gives a slender block on its way down from the peak, by as
+    much more or less as those are that were seen.
+    """
+    fallen = [block.p() ** 2 * abs(s.peak) * (2.0 * block.alpha - abs(s.peak)) for s in found.swings]
+    seen = {i.swing: i.before**2 for i in found.impacts if i.before_sd < SHARP * abs(i.before)}
+    ratios = [square / fallen[k] for k, square in seen.items() if fallen[k] > 0.0]
+    ratio = float(np.median(ratios)) if ratios else 1.0
+    return tuple(seen.get(k, ratio * max(square, 0.0)) for k, square in enumerate(fallen))
+
+
+def in_order(records: Sequence[Record], block: DeclaredBlock) -> list[Record]:
+    """The records of a campaign, in the order in which they were made, each with the impacts of those before."""
+    out: list[Record] = []
+    before = NEVER
+    for record in records:
+        out.append(replace(record, struck=before, squares=squares_of_speeds(record.found, block)))
+        last = struck_before(out[-1], math.inf)
+        before = NEVER._replace(in_all=last.in_all, squares=last.squares)
+    return out
 
 
 def cut(record: Record, number: int, start: float, stop: float, **state: Any) -> Window:

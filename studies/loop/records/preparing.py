@@ -20,6 +20,7 @@ from studies.loop.observed.windows import (
     SIDE,
     Record,
     Window,
+    in_order,
     record_of,
     swing_windows,
     whole_windows,
@@ -124,6 +125,7 @@ def prepare(campaign: Campaign, declared: LoopModel, keeper: Keeper | None = Non
     if sensors:
         felt = _felt(simulator, start, records, noise_of_base)
         records = [replace(r, felt=f) for r, f in zip(records, felt, strict=True)]
+    records = in_order(records, campaign.block)
     held = held_out(campaign, records)
     kept = [r for r in records if r.test not in held]
     swings = swing_windows(kept)

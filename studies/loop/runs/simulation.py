@@ -108,10 +108,19 @@ def _as_it_was(model: LoopModel, peak: Peak) -> Peak:
 
 
 class Struck(NamedTuple):
-    """Impacts of a record before some time that ended a swing: how many, and how long ago the last one was [s]."""
+    """Impacts before some time that ended a swing: how many of a record, and how long ago the last one was [s].
+
+    With those of the tests before, how many there were, and the sum of the squares of their speeds [rad^2/s^2].
+    """
 
     impacts: int
     pause: float
+    in_all: int = 0
+    squares: float = 0.0
+
+    def use(self, exponent: float) -> float:
+        """Sum of |omega|^exponent over all [(rad/s)^exponent], of exponents 0 and 2."""
+        return self.squares if exponent == 2.0 else float(self.in_all)
 
 
 NEVER = Struck(0, LONG_AGO)
@@ -254,7 +263,11 @@ class Simulator:
                 known[leg] = _beside_rotation(models[leg.model].system, answer)
         remembers = [isinstance(model.system, RememberingBlock) for model in models]
         return [
-            job.struck._asdict() if remembers[job.model] else known[last] if last is not None else {}
+            _remembered(models[job.model].system, job.struck)
+            if remembers[job.model]
+            else known[last]
+            if last is not None
+            else {}
             for job, last in zip(jobs, lasts, strict=True)
         ]
 
@@ -368,6 +381,11 @@ def _not_forgotten(system: BlockOnSoftFloor, history: tuple[Peak, ...], start: f
     # The run begins at the last peak before that time.
     first = max(since[0] - 1, 0) if since else len(history) - 1
     return history[max(first, len(history) - HISTORY, 0) :]
+
+
+def _remembered(system: Any, struck: Struck) -> dict[str, Any]:
+    """What a block with a memory begins with."""
+    return {"impacts": struck.impacts, "pause": struck.pause, "use": struck.use(system.worn_exponent)}
 
 
 def _beside_rotation(system: Any, answer: Answer) -> dict[str, Any]:

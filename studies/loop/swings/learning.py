@@ -1,11 +1,11 @@
 """What no candidate explains: the residual learned as a term, one coefficient after the other.
 
 Each coefficient of `rocking.effects.learned_term`, a drift of restitution from test to test, the curves of
-`rocking.effects.learned_curve` and of `rocking.effects.learned_damping`, the restitution with a memory of
-`rocking.effects.learned_memory`, the bends of the sensor of `rocking.effects.learned_reading`, the mass inside of
-`rocking.effects.learned_mode` and the torque that lags of `rocking.effects.learned_hysteresis` are parameters whose
-default is nothing, fitted with the same machinery as the effects.  The greedy search stops when the next one does not
-lower the residual by `LEAST_GAIN`.
+`rocking.effects.learned_curve`, `rocking.effects.learned_damping` and `rocking.effects.learned_friction`, the
+restitution with a memory of `rocking.effects.learned_memory`, the bends of the sensor of
+`rocking.effects.learned_reading`, the mass inside of `rocking.effects.learned_mode` and the torque that lags of
+`rocking.effects.learned_hysteresis` are parameters whose default is nothing, fitted with the same machinery as the
+effects. The greedy search stops when the next one does not lower the residual by `LEAST_GAIN`.
 
 Status   two modes, and two of what swings, yields or remembers at once, are outside of the span.
 """
@@ -20,6 +20,7 @@ import numpy as np
 from rocking import G_STANDARD
 from rocking.effects.learned_curve import EVEN, ODD
 from rocking.effects.learned_damping import DAMPING
+from rocking.effects.learned_friction import FRICTION
 from rocking.effects.learned_reading import MARKS
 from studies.campaigns import DeclaredBlock
 from studies.campaigns.swings import OPEN
@@ -51,9 +52,9 @@ FEW = 2
 HOPELESS = 1
 """Coefficients after which half of what is to be reached has to be."""
 
-TERM, CURVE, LOSS, MEMORY, READING, MODE, HYSTERESIS = LEARNED = (
-    "learned_term", "learned_curve", "learned_damping", "learned_memory", "learned_reading", "learned_mode",
-    "learned_hysteresis",
+TERM, CURVE, LOSS, RUBBING, MEMORY, READING, MODE, HYSTERESIS = LEARNED = (
+    "learned_term", "learned_curve", "learned_damping", "learned_friction", "learned_memory", "learned_reading",
+    "learned_mode", "learned_hysteresis",
 )  # fmt: skip
 """Effects that say how a residual looks and not what it comes from."""
 
@@ -74,6 +75,9 @@ MODES = (0.5, 1.0, 2.0, 4.0, 8.0)
 
 HIGHEST = 2.0
 """Height of a mass inside over that of the centre of mass that is not passed."""
+
+WEARS = (0.1, 1.0)
+"""Use over that of the whole campaign in which a block may wear."""
 
 WIDTHS = (0.02, 0.1, 0.5)
 """Strains over the slenderness angle at which something may slip."""
@@ -143,9 +147,7 @@ def readings(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
     sizes = {"square": 0.02 / block.alpha, "cubic": 0.02 / block.alpha**2}
     series = (Parameter(f"{READING}.{name}", size, -10.0 * size, 10.0 * size) for name, size in sizes.items())
     found = [Candidate(f"learned[reading {p.name.partition('.')[2]}]", READING, (p,), (), {}) for p in series]
-    # Not further to one side than the block went: what nothing was read of would be anything.
-    size, peaks = 0.005 * block.alpha, [w.theta for w in windows]
-    ends = {f"{READING}.low": FURTHEST * min(0.0, *peaks), f"{READING}.high": FURTHEST * max(0.0, *peaks)}
+    size, ends = 0.005 * block.alpha, _as_far_as_read(READING, windows)
     for shape, n in (("smooth", 8), ("fine", 32)):
         own = tuple(Parameter(f"{READING}.{name}", size, -50.0 * size, 50.0 * size) for name in MARKS[: n + 1])
         fixed = {**ends, f"{READING}.intervals": float(n)}
@@ -154,9 +156,9 @@ def readings(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
 
 
 def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
-    """Torques and dampings of any shape against rotation: near upright, or as far as the swings go.
+    """Torques, dampings and frictions of any shape against rotation: near upright, or as far as the swings go.
 
-    Torques alike on both sides or not.
+    Torques alike on both sides or not; frictions with a shape of their own on either side.
     """
     p, alpha = block.p(), block.alpha
     torque = 0.02 * p**2 * alpha
@@ -173,11 +175,22 @@ def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
             own = tuple(Parameter(f"{effect}.{name}", size, -50.0 * size, 50.0 * size) for name in names[: n + 1])
             fixed = {f"{effect}.{kind}reach": share * reach, f"{effect}.{kind}intervals": float(n)}
             found.append(Candidate(f"learned[{label}, {shape}]", effect, own, (), fixed))
+    ends = _as_far_as_read(RUBBING, windows)
+    for shape, n in (("smooth", 8), ("fine", 16)):
+        own = tuple(Parameter(f"{RUBBING}.{name}", torque, -50.0 * torque, 50.0 * torque) for name in FRICTION[: n + 1])
+        fixed = {**ends, f"{RUBBING}.intervals": float(n)}
+        found.append(Candidate(f"learned[friction by rotation, {shape}]", RUBBING, own, (), fixed))
     return tuple(found)
 
 
+def _as_far_as_read(effect: str, windows: Sequence[Window]) -> dict[str, float]:
+    """Ends of a curve: not further to one side than the block went; what nothing was read of would be anything."""
+    peaks = [w.theta for w in windows]
+    return {f"{effect}.low": FURTHEST * min(0.0, *peaks), f"{effect}.high": FURTHEST * max(0.0, *peaks)}
+
+
 def memories(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
-    """A restitution that depends on the number of impacts before, or on how long ago the last one was.
+    """A restitution that depends on the impacts before: how many in the test, how long ago, or on what all have worn.
 
     Those count that end a swing, as in a record: smaller ones are not seen there, and may be hundreds in a run.
     """
@@ -193,6 +206,15 @@ def memories(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
         starts = tuple({d: size, w: width} for width in sizes for size in (0.01, -0.01))
         own = (Parameter(d, 0.01, -0.5, 0.5), Parameter(w, 0.3, low, high, log=True))
         found.append(Candidate(f"learned[restitution {label}]", MEMORY, own, starts, speed))
+    d, w = f"{MEMORY}.worn", f"{MEMORY}.worn_use"
+    for label, exponent in (("with each impact", 0.0), ("with what impacts took", 2.0)):
+        most = max((window.struck.use(exponent) for window in windows), default=0.0)
+        if most <= 0.0:
+            continue
+        starts = tuple({d: size, w: share * most} for share in WEARS for size in (0.02, -0.02))
+        own = (Parameter(d, 0.01, -0.5, 0.5), Parameter(w, 0.3, 0.01 * most, 20.0 * most, log=True))
+        fixed = {**speed, f"{MEMORY}.worn_exponent": exponent}
+        found.append(Candidate(f"learned[restitution worn {label}]", MEMORY, own, starts, fixed))
     return tuple(found)
 
 

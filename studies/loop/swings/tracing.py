@@ -364,9 +364,13 @@ def _scores(simulator: Simulator, onto: Trial, smooth: Sequence[Candidate], some
 
 
 def _nothing(onto: Trial, candidate: Candidate) -> dict[str, float]:
-    """Parameters of the candidate at which it adds nothing to a trial."""
+    """Parameters of the candidate at which it adds nothing to a trial, within their bounds.
+
+    A span over which nothing changes has none of its own there.
+    """
     declared = onto.swing.model.declared
-    return candidate.nothing(declared) if candidate.effect in onto.effects else candidate.absent(declared)
+    found = candidate.nothing(declared) if candidate.effect in onto.effects else candidate.absent(declared)
+    return found | {p.name: min(max(found[p.name], p.low), p.high) for p in candidate.parameters}
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from rocking.remembering import LONG_AGO
 BLOCK = Block(b=0.2, h=0.8)
 E = 0.9
 MEMORY = {"first": -0.06, "first_impacts": 3.0, "recent": -0.04, "recent_time": 0.25}
+WEAR = {"worn": 0.05, "worn_use": 2.0, "worn_exponent": 2.0, "used": 0.7}
 
 
 def ratios(run):
@@ -36,6 +37,26 @@ def test_each_impact_has_the_restitution_of_the_formula(solver: str) -> None:
         more = MEMORY["first"] * math.exp(-n / 3.0) + MEMORY["recent"] * math.exp(-(t - last) / 0.25)
         assert ratio == pytest.approx(E + more, abs=1e-9)
         last = t
+
+
+@pytest.mark.parametrize("exponent", [0.0, 1.0, 2.0])
+@pytest.mark.parametrize("solver", ["numba", "scipy", "diffrax"])
+def test_a_block_wears_by_the_sum_of_powers_of_the_speeds_of_its_impacts(solver: str, exponent: float) -> None:
+    effect = load("learned_memory")(**WEAR | {"worn_exponent": exponent}, least_speed=0.1)
+    run = solve(
+        Method1(BLOCK, restitution=E), theta=0.2, t_end=4.0, effects=[effect], solver=solver, save_at=[0.0, 4.0]
+    )
+    omega, use = (run.system.state_names.index(name) for name in ("omega", "use"))
+    hits = run.events.guard == IMPACT
+    speeds, spent = np.abs(run.events.y_before[hits, omega]), 0.7
+    moves = run.events.mode_after[hits] == ROTATION
+    assert np.sum(speeds > 0.1) > 5
+    assert run.y[0, use] == 0.7
+    for speed, after, on in zip(speeds, run.events.y_after[hits, omega], moves, strict=True):
+        if on:  # after the last one it rests
+            assert abs(after) / speed == pytest.approx(E + 0.05 * (1.0 - math.exp(-spent / 2.0)), abs=1e-9)
+        spent += speed**exponent if speed > 0.1 else 0.0
+    assert run.y[1, use] == pytest.approx(spent, rel=1e-12)
 
 
 def test_memory_counts_impacts_and_time_through_rest() -> None:
@@ -66,14 +87,14 @@ def test_a_window_begins_with_the_impacts_before_it() -> None:
     hits = ratios(whole)
     start = 0.5 * (hits[2][0] + hits[3][0])
     at = solve(system, theta=0.2, t_end=start, save_at=[start]).y[0]
-    y, q = system.initial_state(at[0], at[1], impacts=3.0, pause=start - hits[2][0])
+    y, q = system.initial_state(at[0], at[1], impacts=3.0, pause=start - hits[2][0], use=at[4])
     np.testing.assert_allclose(y, at, rtol=0.0, atol=1e-8)
     assert q.s == math.copysign(1.0, at[0])
     # It hangs on both: begun without them, the next impact would lose otherwise.
     k, base = IMPACT, Base(0.0, 0.0, 0.0, 0.0)
     lost = [
         system.jump(math_of_floats, (0.0, 1.0, *more), q, base, system.parameters, k)[0][1]
-        for more in (y[2:], (0.0, LONG_AGO))
+        for more in (y[2:], (0.0, LONG_AGO, 0.0))
     ]
     assert lost[0] == pytest.approx(E - 0.06 * math.exp(-1.0) - 0.04 * math.exp(-y[3] / 0.25), rel=1e-9)
     assert lost[1] == pytest.approx(E - 0.06, rel=1e-9)
@@ -93,6 +114,9 @@ def test_impacts_that_are_too_slow_are_not_counted() -> None:
     [
         ({"first": 1.5}, r"learned_memory.first=1.5 1: want -1 to 1"),
         ({"recent_time": 0.0}, r"learned_memory.recent_time=0.0 s: want 0.0001 to 10000"),
+        ({"worn": -2.0}, r"learned_memory.worn=-2.0 1: want -1 to 1"),
+        ({"used": -1.0}, r"learned_memory.used=-1.0 \(rad/s\)\^worn_exponent: want 0 to 1e\+12"),
+        ({"worn_exponent": 5.0}, r"learned_memory.worn_exponent=5.0 1: want 0 to 4"),
     ],
 )
 def test_what_is_no_memory_is_refused(given, message) -> None:

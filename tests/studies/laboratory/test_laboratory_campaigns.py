@@ -10,10 +10,11 @@ import pytest
 from studies.campaigns import read
 from studies.laboratory.campaign import make_campaign
 from studies.laboratory.effects import NAMED, UNNAMED, Lab, draw
+from studies.laboratory.event import rubbing
 from studies.laboratory.judge import check, coverage, judge, tracing
 from studies.laboratory.outcomes import make_outcomes
 from studies.laboratory.parameters import G, uniform
-from studies.laboratory.plans import Plan, check_together, respond, worn
+from studies.laboratory.plans import Plan, check_together, respond, used, worn
 from studies.laboratory.prediction import errors, predicted, rms
 from studies.laboratory.table import ramp
 from studies.laboratory.truth import read_truth
@@ -177,15 +178,38 @@ def test_what_is_refused_is_what_an_engine_lacks() -> None:
             except ValueError:
                 names.append(name)
     others = ["compliant_base", "winkler_bed", "sliding", "bouncing"]
-    assert refused["sliding"] == [*others, "hinge_friction", "one_sided_friction", "hysteretic_layer", "slosh"]
+    rubbing = ["hinge_friction", "one_sided_friction", "one_sided_cable"]
+    assert sorted(refused["sliding"]) == sorted([*others, "grinding", *rubbing, "hysteretic_layer", "slosh"])
     at_impacts = ["velocity_dependent_restitution", "restitution_by_side", "leaking_restitution", "bedding_in"]
-    lacking = ["rounded_edges", "base_adhesion", "hinge_friction", "one_sided_friction", "hysteretic_layer", "slosh"]
+    lacking = ["rounded_edges", "base_adhesion", "grinding", *rubbing, "hysteretic_layer", "slosh"]
     assert sorted(refused["compliant_base"]) == sorted([*others, *at_impacts, *lacking])
 
 
 def test_wear_counts_tests() -> None:
     lab, _ = UNNAMED["wear"](LAB, draw(np.random.default_rng(1)), 1.0)
     assert worn(lab, 5).world.restitution == pytest.approx(0.92 - 5 * lab.wear)
+
+
+def test_grinding_sums_the_squares_of_impact_speeds_from_test_to_test() -> None:
+    """In the second test the first impact keeps what is left after the sum of the first one, by the formula."""
+    ground = replace(LAB, world=replace(LAB.world, grind=0.05, grind_use=1.0))
+    plans = [Plan(f"free-{k}", "free", 250.0, 700, 0.2, 0.2, None, k) for k in range(3)]
+    lab = used(ground, plans)
+    assert lab.uses[0] == 0.0
+    for k in (0, 1):
+        hits = respond(lab, plans[k]).impacts
+        before = lab.uses[k] + np.concatenate([[0.0], np.cumsum(hits[:, 1] ** 2)])
+        assert hits.shape[0] > 5
+        kept = 0.92 - 0.05 * (1.0 - np.exp(-before[:-1]))
+        np.testing.assert_allclose(np.abs(hits[:, 2] / hits[:, 1]), kept, rtol=1e-12)
+        assert lab.uses[k + 1] == pytest.approx(before[-1], rel=1e-12)
+    assert lab.uses[2] > lab.uses[1] > 0.1
+    assert used(LAB, plans) is LAB
+
+
+def test_a_cable_on_one_side_rubs_beyond_its_lean_alone() -> None:
+    world = replace(LAB.world, guide=0.5, guide_from=0.1)
+    assert [rubbing(s, phi, world.vector()) for s, phi in ((1, 0.05), (1, 0.1), (-1, 0.2))] == [0.0, 0.5, 0.0]
 
 
 def test_error_of_a_test() -> None:

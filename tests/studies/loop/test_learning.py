@@ -21,7 +21,7 @@ from studies.laboratory import event, table
 from studies.laboratory.parameters import G, World, uniform
 from studies.loop.models.model import LoopModel
 from studies.loop.observed.observing import jobs_of
-from studies.loop.observed.windows import Window, record_of, swing_windows
+from studies.loop.observed.windows import Window, in_order, record_of, swing_windows
 from studies.loop.runs.simulation import Job, Simulator
 from studies.loop.swings import learning
 from studies.loop.swings.learning import inner, learn, memories, open_to, profiles, readings
@@ -50,15 +50,16 @@ def decays(
 
     added: what the sensor adds to a rotation [rad]; gained: what each test has beyond the restitution of the world.
     """
-    rng, tests = np.random.default_rng(1), []
+    rng, tests, used = np.random.default_rng(1), [], 0.0
     for k, lean in enumerate(LEANS):
-        now = replace(world, restitution=world.restitution + gained[k])
+        now = replace(world, restitution=world.restitution + gained[k], used=used)
         run = event.simulate(now, still(), STEP, 1, lean)
+        used += float(np.sum(run.impacts[:, 1] ** 2))
         read = run.rotation + added(run.rotation) + NOISE * rng.standard_normal(run.rotation.size)
         tests.append(Test(f"free-{k}", "free", run.time, (Channel("rotation", "rotation", NOISE),), {"rotation": read}))
     records = [record_of(test, k, NOISE, DECLARED.alpha) for k, test in enumerate(tests)]
     simulator = Simulator(tests)
-    windows = swing_windows([record for record in records if record is not None])
+    windows = swing_windows(in_order([record for record in records if record is not None], DECLARED))
     return simulator, baseline(simulator, LoopModel(DECLARED, E, {}, G), windows)
 
 
@@ -124,6 +125,28 @@ def test_a_restitution_that_remembers_is_learned(
     values = found.swing.model.effects["learned_memory"]
     assert values[depth] == pytest.approx(true[0], rel=0.15)
     assert values[span] == pytest.approx(true[1], rel=0.25)
+
+
+@pytest.mark.slow
+def test_a_block_that_wears_with_what_impacts_take_is_learned_from_test_to_test() -> None:
+    """Restitution falls by 0.04 as the squares of the impact speeds of all tests add up, within 10 rad^2/s^2."""
+    found = learned(replace(IDEAL, grind=0.04, grind_use=10.0))
+    assert found.names == ("learned[restitution worn with what impacts took]",)
+    assert found.swing.model.get("learned_memory.worn") == pytest.approx(-0.04, rel=0.1)
+    assert found.swing.model.get("learned_memory.worn_use") == pytest.approx(10.0, rel=0.2)
+
+
+@pytest.mark.slow
+def test_friction_on_one_side_beyond_a_lean_is_drawn_as_it_was() -> None:
+    """0.15 rad/s^2 while the block leans to +x by 0.08 rad or more."""
+    found = learned(replace(IDEAL, guide=0.15, guide_from=0.08))
+    assert found.parts[0].effect == "learned_friction"
+    shape = load("learned_friction")(**found.swing.model.effects["learned_friction"])
+    values = shape.values(found.swing.model.system.method.form)
+    # A natural spline smears the step over an interval or two.
+    away = np.array([*np.linspace(-0.2, 0.03, 24), *np.linspace(0.13, 0.22, 10)])
+    drawn = curve(np, away - values[0], values, 1)
+    np.testing.assert_allclose(drawn, np.where(away > 0.08, -0.15, 0.0), rtol=0.0, atol=0.03)
 
 
 def first_learned(world: World) -> Trial:
@@ -213,6 +236,16 @@ def test_a_window_knows_the_impacts_before_it() -> None:
     assert of_first[0].struck.pause == LONG_AGO
     first = event.simulate(IDEAL, still(), STEP, 1, LEANS[0]).impacts[0, 0]
     assert of_first[1].struck.pause == pytest.approx(of_first[1].start - first, abs=2e-3)
+    # The tests before count where wear is asked for: all impacts, and the squares of their speeds.
+    for test in (1, 4):
+        before = [event.simulate(IDEAL, still(), STEP, 1, lean).impacts for lean in LEANS[:test]]
+        struck = next(w for w in plain.swing.windows if w.record == test).struck
+        squares = sum(float(np.sum(hits[:, 1] ** 2)) for hits in before)
+        assert struck.impacts == 0 and struck.pause == LONG_AGO
+        assert struck.use(2.0) == pytest.approx(squares, rel=0.01)
+        # Hops within the noise are in no record; the swing in which one ends counts.
+        fast = sum(int(np.sum(np.abs(hits[:, 1]) > 0.1)) for hits in before)
+        assert fast <= struck.use(0.0) <= sum(hits.shape[0] + 1 for hits in before)
     # The calibrated block explains what has no effect: nothing is learned.
     assert learn(simulator, plain, lambda text: None) is plain
 
@@ -306,13 +339,15 @@ def test_a_window_begins_with_what_goes_on_inside(name: str, kind: str, sensor: 
 def test_what_has_states_of_its_own_is_learned_once() -> None:
     """Beside a mode no other form with states is tried; what the memory of a restitution lacks may still be added."""
     _, plain = decays(IDEAL)
-    remembered, recent = memories(DECLARED, plain.swing.windows)
+    remembered, recent, by_each, by_energy = memories(DECLARED, plain.swing.windows)
     mode, slipping, creeping = inner(DECLARED, True)
-    pool = [mode, slipping, creeping, remembered, recent, *readings(DECLARED, plain.swing.windows)]
+    worn = [by_each, by_energy]
+    pool = [mode, slipping, creeping, remembered, recent, *worn, *readings(DECLARED, plain.swing.windows)]
     assert open_to(plain, pool) == pool
-    assert open_to(plain.with_(mode, plain.swing), pool) == pool[5:]
-    assert open_to(plain.with_(slipping, plain.swing), pool) == pool[5:]  # what creeps has the same stiffness
+    assert open_to(plain.with_(mode, plain.swing), pool) == pool[7:]
+    assert open_to(plain.with_(slipping, plain.swing), pool) == pool[7:]  # what creeps has the same stiffness
     assert open_to(plain.with_(remembered, plain.swing), pool) == pool[4:]
+    assert open_to(plain.with_(by_each, plain.swing), pool) == [remembered, recent, *pool[7:]]
 
 
 def test_a_release_alone_says_how_far_something_was_strained() -> None:
@@ -336,7 +371,7 @@ def test_impacts_of_a_record_are_those_of_a_run_though_the_base_trembles() -> No
     record = record_of(test, 0, NOISE, DECLARED.alpha)
     assert record is not None
     windows = swing_windows([record])
-    [memory, _] = memories(DECLARED, windows)
+    memory = memories(DECLARED, windows)[0]
     values = {**memory.fixed, "learned_memory.first": 1e-9, "learned_memory.first_impacts": 4.0}
     model = LoopModel(DECLARED, E, {}, G).changed(values)
     starts = np.array([w.start for w in windows])

@@ -182,6 +182,41 @@ def test_a_learned_memory_is_drawn_with_a_band_of_both_its_parameters():
     np.testing.assert_allclose((curve.high - curve.low) / (2.0 * 1.96), drawn.std(axis=0), rtol=0.05, atol=1e-6)
 
 
+@pytest.mark.parametrize(("exponent", "label"), [(0.0, "all impacts before"), (2.0, "squares of the speeds")])
+def test_wear_is_drawn_over_the_use_of_the_campaign(exponent, label):
+    values = {"learned_memory.worn": -0.05, "learned_memory.worn_use": 8.0}
+    covariance = np.array([[1e-6, 2e-5], [2e-5, 1e-2]])
+    finding = retold(values, covariance)
+    model = finding.settled.whole.model.changed({"learned_memory.worn_exponent": exponent})
+    whole = dataclasses.replace(finding.settled.whole, model=model)
+    finding = dataclasses.replace(finding, settled=dataclasses.replace(finding.settled, whole=whole))
+    [curve] = finding.learned
+    np.testing.assert_allclose(curve.y, -0.05 * (1.0 - np.exp(-curve.x / 8.0)), rtol=1e-12)
+    # Each impact as it was seen counts, of the test before the last too.
+    records = finding.setup.records
+    swings = sum(len(r.found.swings) for r in records)
+    used = float(swings) if exponent == 0.0 else sum(sum(r.squares) for r in records)
+    assert curve.x[-1] == pytest.approx(used, rel=0.02) and label in curve.x_label and used > 20.0
+    draws = np.random.default_rng(0).multivariate_normal((-0.05, 8.0), covariance, 20000)
+    drawn = draws[:, :1] * (1.0 - np.exp(-curve.x / draws[:, 1:]))
+    np.testing.assert_allclose((curve.high - curve.low) / (2.0 * 1.96), drawn.std(axis=0), rtol=0.05, atol=1e-6)
+    later = finding.later(model)
+    assert later.number == len(finding.setup.campaign.tests)
+    assert later.effects["learned_memory"]["used"] == curve.x[-1]
+    assert finding.later(finding.before).effects == finding.before.effects
+
+
+def test_friction_is_drawn_from_the_end_on_one_side_to_that_on_the_other():
+    ends = {"low": -0.1, "high": 0.2, "intervals": 1.0}
+    values = {f"learned_friction.{name}": value for name, value in ends.items()}
+    values |= {"learned_friction.friction_0": -0.3, "learned_friction.friction_1": 0.3}
+    [curve] = retold(values, 1e-4 * np.eye(2)).learned
+    np.testing.assert_allclose(curve.y, np.interp(curve.x, (-0.1, 0.2), (-0.3, 0.3)), rtol=0.0, atol=1e-12)
+    share = np.interp(curve.x, (-0.1, 0.2), (0.0, 1.0))
+    np.testing.assert_allclose(curve.high - curve.y, 1.96 * 0.01 * np.hypot(share, 1.0 - share), rtol=1e-9)
+    assert curve.label == "Friction against rotation"
+
+
 def test_a_learned_mode_is_drawn_as_a_mass_that_swings():
     """The block stops from 1 rad/s: the mass goes on with its height in m/s; drawn by an integrator in the test."""
     values = {"learned_mode.mass_ratio": 0.02, "learned_mode.height_ratio": 1.2, "learned_mode.frequency": 2.0,
