@@ -7,10 +7,11 @@ acts in one or more of these ways, each a member that it overrides:
 - `restitution(xp, e, omega, s, values) -> e`: a plain function, applied at an impact to what the form gives;
 - `values(form)`: the numbers that these two take (the fields, if it does not say otherwise);
 - `form(form, block)`: shape and mass of the block, lever, lift-off;
-- `modes(method)`: other modes of motion, by another method;
+- `modes(method, form)`: other modes of motion, by another method;
 - `freedoms(system)`: further freedoms: a system with a longer state in place of that of `rocking.composed`;
 - `base_motion(motion, span, g)`: what the base really does;
-- `reading(theta)`: what the rotation sensor says.
+- `reading(theta)`: what the rotation sensor says;
+- `recorded(theta, seen)`: what it says from sample to sample, where that depends on more than the rotation of the time.
 
 Source   each effect names its own.
 Status   `rocking.effects` finds effects and puts them together.
@@ -22,7 +23,10 @@ import dataclasses
 import math
 import numbers
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from rocking.block import Block
@@ -33,8 +37,22 @@ if TYPE_CHECKING:
     from rocking.method2 import Method2
     from rocking.motion import BaseMotion
 
-WAYS = ("acceleration", "restitution", "form", "modes", "freedoms", "base_motion", "reading")
+WAYS = ("acceleration", "restitution", "form", "modes", "freedoms", "base_motion", "reading", "recorded")
 """The members by which an effect may act."""
+
+OF_THE_SENSOR = frozenset({"reading", "recorded"})
+"""Those of them that leave the block alone."""
+
+
+class Seen(NamedTuple):
+    """What a rotation sensor may feel besides the rotation, at the samples of a record, arrays of shape (time,)."""
+
+    time: NDArray[np.float64]  # since the record began [s]
+    a_x: NDArray[np.float64]  # of the base [m/s^2]
+
+
+AT_THE_START = Seen(np.zeros(1), np.zeros(1))
+"""Of a block that is held where it is, on a base that stands still, as a record begins."""
 
 
 class Effect:
@@ -125,3 +143,7 @@ class Effect:
     def reading(self, theta: Any) -> Any:
         """What the rotation sensor says [rad] when the rotation is theta."""
         return theta
+
+    def recorded(self, theta: NDArray[np.float64], seen: Seen) -> NDArray[np.float64]:
+        """What the rotation sensor says [rad] sample by sample, shape (time,), from a peak or a rest on."""
+        return np.asarray(self.reading(theta))

@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rocking.effect import Seen
 from rocking.hybrid import Anchor, Base, Discrete, System, bind_hooks, in_floor_axes
 from rocking.motion import base_at
 from rocking.trajectory import Trajectory
@@ -148,6 +149,8 @@ def _reading(m: _Motion, g: float, position: tuple[float, float], direction: tup
 
 def rotation_sensor(trajectory: Trajectory) -> Array:
     """Reading [rad] of the rotation sensor at the samples, shape (time,): theta with the effects on the sensor."""
-    from rocking.effects import rotation_reading
+    from rocking.effects import recorded_rotation
 
-    return np.asarray(rotation_reading(trajectory.theta, trajectory.effects))
+    there = base_at(np, trajectory.motion, trajectory.t, np.asarray(trajectory.motion.parameters))
+    seen = Seen(trajectory.t - trajectory.t_start, there.a_x + np.zeros(trajectory.t.size))
+    return np.asarray(recorded_rotation(trajectory.theta, trajectory.effects, seen))

@@ -22,7 +22,7 @@ from functools import cache
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any
 
-from rocking.effect import Effect
+from rocking.effect import OF_THE_SENSOR, Effect, Seen
 
 if TYPE_CHECKING:
     from rocking.hybrid import System
@@ -121,7 +121,7 @@ def compose(system: System, effects: Sequence[Effect]) -> System:
     from rocking.method2 import Method2
 
     _check(effects)
-    acting = [e for e in effects if e.ways_used() - {"base_motion", "reading"}]
+    acting = [e for e in effects if e.ways_used() - {"base_motion", *OF_THE_SENSOR}]
     if not acting:
         return system
     if not isinstance(system, Method1 | Method2):
@@ -220,4 +220,14 @@ def rotation_reading(theta: Any, effects: Sequence[Effect]) -> Any:
     """What the rotation sensor says [rad] when the rotation is theta."""
     for effect in sorted(effects, key=lambda e: e.rank):
         theta = effect.reading(theta)
+    return theta
+
+
+def recorded_rotation(theta: Any, effects: Sequence[Effect], seen: Seen) -> Any:
+    """What the rotation sensor says [rad] sample by sample, shape (time,), when the rotation is theta.
+
+    theta: from a peak or a rest on; from where else it begins, a sensor that remembers says something else.
+    """
+    for effect in sorted(effects, key=lambda e: e.rank):
+        theta = effect.recorded(theta, seen)
     return theta

@@ -1,16 +1,21 @@
-"""Learned reading: a rotation sensor that is not linear, as a short series and as a curve of any shape.
+"""Learned reading: a rotation sensor that is not linear, has play, drifts, or feels the base.
 
-Changes     the reading: theta + square theta^2 + cubic theta^3 + c(theta), before a gain and an offset; c a natural
-            cubic spline over equal intervals from low to high, beyond which it keeps its last value
+Changes     the reading: x + square x^2 + cubic x^3 + c(x) + drift t + base a_x, before a gain and an offset; c a
+            natural cubic spline over equal intervals from low to high, beyond which it keeps its last value; x follows
+            theta with a play, within which it stays behind; t the time since the record began
 Parameters  square [1/rad], cubic [1/rad^2]; low and high, where c begins and ends [rad]; intervals, 1 to `MOST` [1];
             curve_0 ..., coefficients of c [rad], one more than there are intervals, as those of
-            `rocking.effects.learned_curve`; 0 where absent
+            `rocking.effects.learned_curve`; play [rad], half of the gap; drift [rad/s]; base [rad/(m/s^2)]; 0 where
+            absent
 Use when    a sensor bends toward the ends of its range, an arc is read for an angle, or the marks of an encoder are
-            uneven: how the reading is off, not why
-Limits      no hysteresis, no drift; what is narrower than an interval is smeared over it; outside of what was measured
+            uneven; a linkage has play, a zero drifts as the sensor warms up, a camera or a beam shakes with the base:
+            how the reading is off, not why
+Limits      the play begins in the middle of its gap with the block upright, and a drift with each record; what is
+            narrower than an interval is smeared over it; outside of what was measured
             neither series nor curve says anything
 Source      a calibration curve (JCGM 200:2012, 4.31) as a series, or as a spline: de Boor, A practical guide to splines
-            (1978)
+            (1978); drift (4.21) and influence of another quantity (2.52) likewise; the play of Krasnosel'skii &
+            Pokrovskii, Systems with hysteresis (1989)
 Status      by hand, against SciPy's natural splines, and learned from decays of the laboratory with a cube, or with
             uneven marks, added to what its sensor reads (tests)
 """
@@ -19,12 +24,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import fields, make_dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rocking.effect import Effect
+from rocking.effect import Effect, Seen
 from rocking.effects.learned_curve import none_beyond
 
 MOST = 32
@@ -34,7 +40,8 @@ MARKS = tuple(f"curve_{j}" for j in range(MOST + 1))
 """Names of its coefficients."""
 
 _FIELDS = [
-    ("square", 0.0), ("cubic", 0.0), ("low", -1.0), ("high", 1.0), ("intervals", float(MOST)),
+    ("square", 0.0), ("cubic", 0.0), ("play", 0.0), ("drift", 0.0), ("base", 0.0), ("low", -1.0), ("high", 1.0),
+    ("intervals", float(MOST)),
     *((name, 0.0) for name in MARKS),
 ]  # fmt: skip
 
@@ -42,13 +49,15 @@ _Coefficients: Any = make_dataclass("_Coefficients", [(n, float, v) for n, v in 
 
 
 class LearnedReading(_Coefficients):
-    """What a sensor adds to the rotation: by its square and its cube, and by a curve."""
+    """What a sensor makes of the rotation: by its square and its cube, by a curve, by play, in time, with the base."""
 
     name: ClassVar[str] = "learned_reading"
     units: ClassVar[dict[str, str]] = dict.fromkeys(MARKS, "rad") | {
-        "square": "1/rad", "cubic": "1/rad^2", "low": "rad", "high": "rad", "intervals": "1",
+        "square": "1/rad", "cubic": "1/rad^2", "play": "rad", "drift": "rad/s", "base": "rad/(m/s^2)",
+        "low": "rad", "high": "rad", "intervals": "1",
     }  # fmt: skip
     ranges: ClassVar[dict[str, tuple[float, float]]] = {
+        "play": (0.0, 0.5 * math.pi),
         "low": (-0.5 * math.pi, 0.5 * math.pi),
         "high": (-0.5 * math.pi, 0.5 * math.pi),
         "intervals": (1.0, float(MOST)),
@@ -82,3 +91,31 @@ class LearnedReading(_Coefficients):
         """theta + square theta^2 + cubic theta^3 + c(theta) [rad]."""
         bent = theta * (1.0 + theta * (self.square + self.cubic * theta))
         return bent if self._curve is None else bent + self._curve(np.clip(theta, self.low, self.high))
+
+    def recorded(self, theta: Any, seen: Seen) -> Any:
+        """The reading of what has come through the play, and what time and the base add [rad], shape (time,)."""
+        through = follower(theta, self.play) if self.play > 0.0 else theta
+        return self.reading(through) + self.drift * seen.time + self.base * seen.a_x
+
+
+def follower(theta: NDArray[np.float64], play: float) -> NDArray[np.float64]:
+    """What is moved by theta [rad], shape (time,), through a gap of twice the play [rad].
+
+    It has been moved from upright, where it was in the middle of the gap, to the first one of them.
+    """
+    return np.asarray(_follower()(np.ascontiguousarray(theta, dtype=np.float64), float(play)))
+
+
+@cache
+def _follower() -> Any:
+    from numba import njit
+
+    def follow(theta: Any, play: Any) -> Any:
+        out = np.empty(theta.size)
+        last = 0.0
+        for k in range(theta.size):
+            last = min(max(last, theta[k] - play), theta[k] + play)
+            out[k] = last
+        return out
+
+    return njit(follow)

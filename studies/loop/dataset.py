@@ -27,7 +27,7 @@ from studies.loop.models.names import parameter_units
 from studies.loop.observed.instruments import accelerations
 from studies.loop.observed.windows import Record
 from studies.loop.records.scoring import leaning
-from studies.loop.runs.simulation import Answer, Job
+from studies.loop.runs.simulation import Answer, Job, Simulator
 from studies.running.files import provenance, write_whole
 
 STAGES = ("before", "after")
@@ -111,8 +111,12 @@ def _of_test(
     if record is not None and answers:
         data |= _sensors(finding, record, models, answers) | _errors(finding, test)
         if finding.setup.by_rotation:
-            data |= _rotations(record, models, answers)
-            parts = (by_stretch(finding, record), by_impact(finding, record), of_onset(record, models, answers))
+            data |= _rotations(finding.setup.simulator, record, models, answers)
+            parts = (
+                by_stretch(finding, record),
+                by_impact(finding, record),
+                of_onset(finding, record, models, answers),
+            )
             data |= {name: v for part in parts for name, v in part.items()}
         else:
             data |= _unmeasured_rotations(record, models, answers)
@@ -125,11 +129,13 @@ def _of_test(
     return xr.Dataset(data, {"time": time}, attributes)
 
 
-def _rotations(record: Record, models: tuple[LoopModel, LoopModel], answers: tuple[Answer, ...]) -> dict[str, Any]:
+def _rotations(
+    simulator: Simulator, record: Record, models: tuple[LoopModel, LoopModel], answers: tuple[Answer, ...]
+) -> dict[str, Any]:
     """Readings of the rotation sensor before and after, residuals where the record is used, and their rms."""
     out: dict[str, Any] = {}
     for stage, model, answer in zip(STAGES, models, answers, strict=True):
-        reading = np.asarray(model.reading(answer.theta), dtype=np.float64)
+        reading = simulator.recorded(model, record.test, answer.theta)
         residual = record.rotation - reading
         fallen = "+-pi/2 after a fall"
         out[f"rotation_{stage}"] = _variable("time", reading, "rad", f"rotation of the model {stage}", comment=fallen)

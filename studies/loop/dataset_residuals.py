@@ -59,7 +59,9 @@ def by_impact(finding: Finding, record: Record) -> Variables:
     return out
 
 
-def of_onset(record: Record, models: tuple[LoopModel, LoopModel], answers: tuple[Answer, ...]) -> Variables:
+def of_onset(
+    finding: Finding, record: Record, models: tuple[LoopModel, LoopModel], answers: tuple[Answer, ...]
+) -> Variables:
     """When a forced test first moves, measured and modelled; nothing for a free one."""
     if record.kind != "forced":
         return {}
@@ -68,7 +70,7 @@ def of_onset(record: Record, models: tuple[LoopModel, LoopModel], answers: tuple
     text = f"first passage of {level:.3g} rad"
     out: Variables = {"onset": ((), seen, {"units": "s", "long_name": f"{text}, measured"})}
     for stage, model, answer in zip(("before", "after"), models, answers, strict=True):
-        reading = np.asarray(model.reading(answer.theta))
+        reading = finding.setup.simulator.recorded(model, record.test, answer.theta)
         when = onset(record.time, reading, level, float(model.reading(0.0)))
         out[f"onset_residual_{stage}"] = (
             (), seen - when, {"units": "s", "long_name": f"{text}, measured less modelled, {stage}"}

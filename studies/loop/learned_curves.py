@@ -92,6 +92,19 @@ PARTS = {
         "Reading against rotation", "What the rotation sensor adds to the rotation, before its gain and its offset.",
         "rotation [rad]", "added to the reading [rad]", {"square": lambda x: x**2, "cubic": lambda x: x**3}, READING,
     ),
+    "play": _Part(
+        "Reading against speed", "What play takes off the reading of a block that turns one way for long.",
+        "angular velocity [rad/s]", "added to the reading [rad]", {"play": lambda x: -np.sign(x)}, READING,
+    ),
+    "time": _Part(
+        "Reading against time", "What is added to the reading as a record goes on.",
+        "time since the record began [s]", "added to the reading [rad]", {"drift": lambda x: np.maximum(x, 0.0)},
+        READING,
+    ),
+    "shaken": _Part(
+        "Reading against base acceleration", "What is added to the reading while the base is accelerated.",
+        "base acceleration [m/s²]", "added to the reading [rad]", {"base": lambda x: x}, READING,
+    ),
 }  # fmt: skip
 
 
@@ -278,7 +291,9 @@ def _reach(setup: Setup, key: str) -> float:
     rotation = max(float(np.nanmax(np.abs(record.rotation))) for record in setup.records)
     if key in ("rotation", "structural", "reading"):
         return rotation
-    if key == "base":
+    if key == "time":
+        return max(float(record.time[-1] - record.time[0]) for record in setup.records)
+    if key in ("base", "shaken"):
         bases = [t.base_x for t in setup.campaign.tests if t.base_x is not None]
         return max((float(np.nanmax(np.abs(base))) for base in bases), default=1.0)
     speeds = [abs(impact.before) for record in setup.records for impact in record.found.impacts]

@@ -66,7 +66,7 @@ def write_predictions(
     answers = predict(model, campaign, simulator)
     for k, (test, answer) in enumerate(zip(campaign.tests, answers, strict=True)):
         tell(test.id)
-        columns = {"rotation": np.asarray(model.reading(answer.theta))}
+        columns = {"rotation": simulator.recorded(model, k, answer.theta)}
         for channel in campaign.channels:
             if channel.kind == "block_acceleration":
                 columns[channel.name] = accelerations(model, simulator, k, answer, channel)

@@ -75,7 +75,7 @@ def next_test(finding: Finding) -> str:
     n = len(proposals)
     noise = _noise(finding)
     apart = [
-        _difference(question.models, answers[k].theta, answers[n + k].theta)
+        _difference(*(simulator.recorded(models[m], k, answers[m * n + k].theta) for m in range(2)))
         for k in range(n)
     ]  # fmt: skip
     k = int(np.argmax(apart))
@@ -160,7 +160,6 @@ def _noise(finding: Finding) -> float:
     return float(np.median([record.noise for record in finding.setup.records]))
 
 
-def _difference(models: tuple[LoopModel, LoopModel], one: Array, other: Array) -> float:
+def _difference(one: Array, other: Array) -> float:
     """Rms difference of what the sensor reads [rad]."""
-    apart = np.asarray(models[0].reading(one)) - np.asarray(models[1].reading(other))
-    return math.sqrt(float(np.mean(np.clip(apart, -FALL, FALL) ** 2)))
+    return math.sqrt(float(np.mean(np.clip(one - other, -FALL, FALL) ** 2)))

@@ -80,7 +80,7 @@ def prior(model: LoopModel, window: Window) -> float:
     """The residual that what is known of the start adds [1]; 0 where nothing is."""
     if not 0.0 < window.theta_sd < math.inf:
         return 0.0
-    said = float(model.reading(window.theta)) if window.lean_read else window.theta
+    said = model.at_peak(window.theta) if window.lean_read else window.theta
     return (window.theta_prior - said) / window.theta_sd
 
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rocking import G_STANDARD, Block, Method1
-from rocking.effect import Effect
-from rocking.effects import base_with, compose, load, rotation_reading
+from rocking.effect import AT_THE_START, Effect, Seen
+from rocking.effects import base_with, compose, load, recorded_rotation, rotation_reading
 from rocking.hybrid import System
 from rocking.motion import BaseMotion
 from studies.campaigns import Channel, DeclaredBlock
@@ -113,6 +113,28 @@ class LoopModel:
     def reading(self, theta: Any) -> Any:
         """What the rotation sensor says [rad]."""
         return rotation_reading(theta, self.parts)
+
+    def recorded(self, theta: NDArray[np.float64], seen: Seen) -> NDArray[np.float64]:
+        """What the rotation sensor says [rad] sample by sample, shape (time,), from a peak or a rest on."""
+        return np.asarray(recorded_rotation(theta, self.parts, seen), dtype=np.float64)
+
+    @cached_property
+    def remembers(self) -> bool:
+        """Whether what the rotation sensor says depends on more than the rotation of the time."""
+        return any("recorded" in part.ways() for part in self.parts)
+
+    def at_peak(self, theta: float) -> float:
+        """What the rotation sensor says [rad] of a block that has just come to that rotation [rad] from upright."""
+        return (
+            float(self.recorded(np.array([theta]), AT_THE_START)[0]) if self.remembers else float(self.reading(theta))
+        )
+
+    def peak(self, reading: float) -> float:
+        """The rotation [rad] at which it says so; NaN where it says nothing unique."""
+        theta = float(self.rotation(reading))
+        if self.remembers and math.isfinite(theta):
+            theta += reading - self.at_peak(theta)  # play is the same for all that is beyond it
+        return theta
 
     def reading_slope(self, theta: ArrayLike) -> NDArray[np.float64]:
         """How much more the rotation sensor says for a larger rotation [1], at rotations [rad] of any shape."""

@@ -48,7 +48,7 @@ def observe(
     """
     answers = simulator.run(models, jobs)
     out = [
-        np.asarray(models[job.model].reading(answer.theta)) if not w.accelerometers else np.zeros(0)
+        simulator.recorded(models[job.model], job.test, answer.theta, w.index) if not w.accelerometers else np.zeros(0)
         for job, answer, w in zip(jobs, answers, windows, strict=True)
     ]
     by_model: dict[int, list[int]] = {}
@@ -80,7 +80,12 @@ def _accelerations(
         part = slice(at, at + answers[i].mode.size)
         at = part.stop
         w = windows[i]
-        own = [read[c.name][part] for c in w.channels]
+        own = [
+            simulator.recorded(model, jobs[i].test, theta[part], w.index)
+            if c.kind == "rotation" and c is not SIDE and model.remembers
+            else read[c.name][part]
+            for c in w.channels
+        ]
         if w.sides is not None:
             apart = (w.sides != ANY_SIDE) & (w.sides != side[part])
             own = [

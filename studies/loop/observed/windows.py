@@ -34,8 +34,8 @@ SIDE = Channel("side", "rotation")
 
 ANY_SIDE = 9
 
-SHARP = 0.02
-"""Standard deviation of a speed over itself up to which its square is taken as it was seen."""
+BY_THE_BASE = 0.5
+"""Share by which shaking may change the square of a speed, one standard deviation."""
 
 RELEASE_SD = 2e-3
 """How far from what was aimed at a lean by hand may be [rad], one standard deviation."""
@@ -137,17 +137,25 @@ def struck_before(record: Record, time: float) -> Struck:
     return found
 
 
-def squares_of_speeds(found: Segmentation, block: DeclaredBlock) -> tuple[float, ...]:
+def squares_of_speeds(found: Segmentation, block: DeclaredBlock, shaken: bool) -> tuple[float, ...]:
     """Square of the speed at which each swing ended [rad^2/s^2].
 
-    As it was seen, where that is sharp; else what gravity gives a slender block on its way down from the peak, by as
-    much more or less as those are that were seen.
+    What gravity gives a slender block on its way down from the peak, by as much more or less as those are that
+    were seen; of a block that is shaken, together with what was seen of that swing itself.
     """
-    fallen = [block.p() ** 2 * abs(s.peak) * (2.0 * block.alpha - abs(s.peak)) for s in found.swings]
-    seen = {i.swing: i.before**2 for i in found.impacts if i.before_sd < SHARP * abs(i.before)}
-    ratios = [square / fallen[k] for k, square in seen.items() if fallen[k] > 0.0]
-    ratio = float(np.median(ratios)) if ratios else 1.0
-    return tuple(seen.get(k, ratio * max(square, 0.0)) for k, square in enumerate(fallen))
+    peaks = np.abs([s.peak for s in found.swings])
+    fallen = np.maximum(block.p() ** 2 * peaks * (2.0 * block.alpha - peaks), 0.0)
+    seen, variance = np.zeros(peaks.size), np.full(peaks.size, np.inf)
+    for i in found.impacts:
+        if math.isfinite(i.before) and math.isfinite(i.before_sd):
+            seen[i.swing] = i.before**2 - i.before_sd**2
+            variance[i.swing] = (2.0 * i.before * i.before_sd) ** 2 + i.before_sd**4
+    weighed = float(np.sum(fallen**2 / variance))
+    squares = fallen * (max(float(np.sum(fallen * seen / variance)) / weighed, 0.0) if weighed > 0.0 else 1.0)
+    if shaken:
+        own = np.maximum((BY_THE_BASE * squares) ** 2, np.finfo(np.float64).tiny)
+        squares = np.maximum((squares / own + seen / variance) / (1.0 / own + 1.0 / variance), 0.0)
+    return tuple(map(float, squares))
 
 
 def in_order(records: Sequence[Record], block: DeclaredBlock) -> list[Record]:
@@ -155,7 +163,8 @@ def in_order(records: Sequence[Record], block: DeclaredBlock) -> list[Record]:
     out: list[Record] = []
     before = NEVER
     for record in records:
-        out.append(replace(record, struck=before, squares=squares_of_speeds(record.found, block)))
+        squares = squares_of_speeds(record.found, block, record.kind == "forced")
+        out.append(replace(record, struck=before, squares=squares))
         last = struck_before(out[-1], math.inf)
         before = NEVER._replace(in_all=last.in_all, squares=last.squares)
     return out

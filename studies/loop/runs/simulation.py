@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from excitation import SampledMotion
 from rocking.composed import ComposedMethod1
 from rocking.composed_method2 import ComposedMethod2
+from rocking.effect import Seen
 from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, TRANSLATION_JUMP, Base, Discrete, System
 from rocking.hysteretic import HystereticBlock
 from rocking.inner_mass import BlockWithInnerMass
@@ -103,7 +104,7 @@ def _as_it_was(model: LoopModel, peak: Peak) -> Peak:
     """A peak of a record as the model takes its sensor; as it was read where that says nothing."""
     if not any("reading" in part.ways() for part in model.parts):
         return peak
-    theta = float(model.rotation(peak.theta))
+    theta = model.peak(peak.theta)
     return Peak(peak.time, theta, peak.omega / float(model.reading_slope(theta))) if math.isfinite(theta) else peak
 
 
@@ -208,6 +209,18 @@ class Simulator:
             there = base_at(np, motion, time, np.asarray(motion.parameters))
             self._sampled[key] = (motion, Base(*(value + np.zeros(time.size) for value in there)))
         return self._sampled[key][1]
+
+    def seen(self, model: LoopModel, test: int, index: NDArray[np.intp] | slice = slice(None)) -> Seen:
+        """What the rotation sensor feels besides the rotation, at the samples of a test or some of them."""
+        return Seen(self.tests[test].time[index] - self.spans[test][0], self.base(model, test).a_x[index])
+
+    def recorded(
+        self, model: LoopModel, test: int, theta: Array, index: NDArray[np.intp] | slice = slice(None)
+    ) -> Array:
+        """Reading of the rotation sensor [rad] at these samples of a test, from a peak or a rest on."""
+        if not model.remembers:
+            return np.asarray(model.reading(theta))
+        return model.recorded(theta, self.seen(model, test, index))
 
     def _driving(self, model: LoopModel, test: int) -> BaseMotion:
         """The base that a run sees: what the model makes of the thinned record.

@@ -46,15 +46,18 @@ MOST_TERMS = 4
 MOST_ALIKE = 4
 """Forms that swings hardly tell from what was learned of them that whole records are asked about."""
 
+MANY = 4
+"""Coefficients of a form beyond which it is a curve that bends to much."""
+
 FEW = 2
 """Coefficients and curves that are the better answer where they leave no more than noise, whatever else would."""
 
 HOPELESS = 1
 """Coefficients after which half of what is to be reached has to be."""
 
-TERM, CURVE, LOSS, RUBBING, MEMORY, READING, MODE, HYSTERESIS = LEARNED = (
+TERM, CURVE, LOSS, RUBBING, MEMORY, READING, BASE, MODE, HYSTERESIS = LEARNED = (
     "learned_term", "learned_curve", "learned_damping", "learned_friction", "learned_memory", "learned_reading",
-    "learned_mode", "learned_hysteresis",
+    "learned_base", "learned_mode", "learned_hysteresis",
 )  # fmt: skip
 """Effects that say how a residual looks and not what it comes from."""
 
@@ -72,6 +75,12 @@ NEAR_UPRIGHT = 0.2
 
 MODES = (0.5, 1.0, 2.0, 4.0, 8.0)
 """Circular frequencies over the block's p from which a mode is tried."""
+
+PLATES = (3.0, 5.0, 8.0, 13.0, 20.0, 32.0)
+"""Frequencies from which a plate is tried [Hz]."""
+
+PLATES_FITTED = 3
+"""Starts of it that are fitted: those that explain most as they are."""
 
 HIGHEST = 2.0
 """Height of a mass inside over that of the centre of mass that is not passed."""
@@ -144,8 +153,10 @@ def readings(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
         not w.accelerometers or any(c.kind == "rotation" and c is not SIDE for c in w.channels) for w in windows
     ):
         return ()
-    sizes = {"square": 0.02 / block.alpha, "cubic": 0.02 / block.alpha**2}
-    series = (Parameter(f"{READING}.{name}", size, -10.0 * size, 10.0 * size) for name, size in sizes.items())
+    sizes = {"square": 0.02 / block.alpha, "cubic": 0.02 / block.alpha**2, "drift": 0.001 * block.alpha * block.p()}
+    sizes["base"] = 0.001 * block.alpha / (G_STANDARD * math.tan(block.alpha))
+    series = [Parameter(f"{READING}.{name}", size, -10.0 * size, 10.0 * size) for name, size in sizes.items()]
+    series.append(Parameter(f"{READING}.play", 0.002 * block.alpha, 0.0, 0.1 * block.alpha))
     found = [Candidate(f"learned[reading {p.name.partition('.')[2]}]", READING, (p,), (), {}) for p in series]
     size, ends = 0.005 * block.alpha, _as_far_as_read(READING, windows)
     for shape, n in (("smooth", 8), ("fine", 32)):
@@ -218,6 +229,16 @@ def memories(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
     return tuple(found)
 
 
+def plates(simulator: Simulator, windows: Sequence[Window]) -> tuple[Candidate, ...]:
+    """Something that gives between the base sensor and the block, where a base was shaken."""
+    if not any(simulator.tests[test].kind == "forced" for test in {w.test for w in windows}):
+        return ()
+    frequency, damping = f"{BASE}.frequency", f"{BASE}.damping_ratio"
+    own = Parameter(frequency, 0.1, 0.5, 100.0, log=True), Parameter(damping, 0.3, 1e-3, 3.0, log=True)
+    starts = tuple({frequency: f, damping: share} for f in PLATES for share in (0.05, 0.5))
+    return (Candidate("learned[plate]", BASE, own, starts, {}, smooth=False, screened=PLATES_FITTED),)
+
+
 def inner(block: DeclaredBlock, released: bool) -> tuple[Candidate, ...]:
     """What goes on in time within a block or beside it: a mass that swings, something that slips or that creeps.
 
@@ -276,21 +297,28 @@ def learn(
 
     rival: what has to be reached; the search ends early where it plainly is not.
     going_on: whether forms with states that go on from swing to swing are tried too, where `FEW` without leave more
-        than noise; their runs take long.
+        than noise, or are a curve and more; their runs take long.
     """
     declared, released = onto.swing.model.declared, any(test.kind == "free" for test in simulator.tests)
-    at_hand = _at_hand(onto)
+    at_hand = _at_hand(simulator, onto)
     known: dict[tuple[str, ...], Trial | None] = {}
     found = _grown(simulator, onto, [(at_hand, known)], tell, rival, FEW if going_on else MOST_TERMS)
-    if not going_on or not _more_to_learn(found) or _over_noise(found) < LITTLE_LEFT:
+    if not going_on or not (_laboured(onto, found) or (_more_to_learn(found) and _over_noise(found) >= LITTLE_LEFT)):
         return found
     return _grown(simulator, onto, [(at_hand, known), (inner(declared, released), {})], tell, rival, MOST_TERMS)
 
 
-def _at_hand(onto: Trial) -> tuple[Candidate, ...]:
+def _laboured(onto: Trial, found: Trial) -> bool:
+    """Whether it took a curve with many coefficients and something else besides, so that less may say it as well."""
+    learned = found.parts[len(onto.parts) :]
+    return len(learned) > 1 and any(len(part.parameters) > MANY for part in learned)
+
+
+def _at_hand(simulator: Simulator, onto: Trial) -> tuple[Candidate, ...]:
     """What has no states that go on from swing to swing."""
     declared, windows = onto.swing.model.declared, onto.swing.windows
-    return (*terms(declared), *(c for form in (readings, profiles, memories) for c in form(declared, windows)))
+    forms = (c for form in (readings, profiles, memories) for c in form(declared, windows))
+    return (*terms(declared), *forms, *plates(simulator, windows))
 
 
 def alike(simulator: Simulator, without: Trial, found: Trial, tell: Callable[[str], None]) -> list[Trial]:
@@ -299,7 +327,7 @@ def alike(simulator: Simulator, without: Trial, found: Trial, tell: Callable[[st
     without: the trial without that.
     """
     last = found.parts[-1]
-    others = [c for c in open_to(without, _at_hand(without)) if c.name != last.name]
+    others = [c for c in open_to(without, _at_hand(simulator, without)) if c.name != last.name]
     tried = search(simulator, without, others, tell, repeated=True, leading=True).trials
     near = [t for t in tried if bic(t.swing) < bic(found.swing) + PAYS]
     return sorted(near, key=lambda t: bic(t.swing))[:MOST_ALIKE]

@@ -458,7 +458,7 @@ def _as_seen(model: LoopModel, window: Window) -> Window:
     """The window from the state that the record shows, as the model takes its sensor; as it is where there is none."""
     if window.seen is None:
         return window
-    theta = float(model.rotation(window.seen.theta))
+    theta = model.peak(window.seen.theta)
     if not math.isfinite(theta):
         return window
     return window.moved(theta, window.seen.omega / float(model.reading_slope(theta)))

@@ -1,11 +1,15 @@
 """A sensor that bends, by hand and against SciPy's roots and splines (rocking.effects.learned_reading)."""
 
+import math
+
 import numpy as np
 import pytest
 from scipy.interpolate import make_interp_spline
 from scipy.optimize import brentq
 
+from excitation import SteadySinusoid
 from rocking import Block, Method1, solve
+from rocking.effect import Seen
 from rocking.effects import load
 from rocking.effects.learned_reading import MARKS, MOST, LearnedReading
 from rocking.instruments import rotation_sensor
@@ -80,3 +84,54 @@ def test_a_curve_of_nothing_adds_nothing_and_none_goes_beyond_its_intervals():
     with pytest.raises(ValueError, match=r"learned_reading.low=0.3 rad: want less than high=0.2"):
         LearnedReading(low=0.3, high=0.2)
     assert repr(LearnedReading(high=0.2, curve_0=1e-3)) == "LearnedReading(high=0.2, curve_0=0.001)"
+
+
+def slot_and_pin(theta: list[float], play: float) -> list[float]:
+    """A pin in a slot: the slot moves when the pin has come to one of its ends."""
+    slot, out = 0.0, []
+    for pin in theta:
+        if pin - slot > play:
+            slot = pin - play
+        elif slot - pin > play:
+            slot = pin + play
+        out.append(slot)
+    return out
+
+
+def test_play_stays_behind_by_half_of_the_gap() -> None:
+    sensor = LearnedReading(play=0.01)
+    there_and_back = [0.0, 0.005, 0.02, 0.03, 0.025, 0.011, 0.009, -0.02, -0.015, 0.0]
+    seen = Seen(np.zeros(10), np.zeros(10))
+    found = sensor.recorded(np.array(there_and_back), seen)
+    np.testing.assert_allclose(found, slot_and_pin(there_and_back, 0.01), rtol=0.0, atol=1e-15)
+    # It says what it said while the gap is crossed: 0.02 on the way down to 0.01, then it lags on the other side.
+    np.testing.assert_allclose(found, [0.0, 0.0, 0.01, 0.02, 0.02, 0.02, 0.019, -0.01, -0.01, -0.01], atol=1e-15)
+    np.testing.assert_array_equal(sensor.reading(np.array(there_and_back)), there_and_back)
+
+
+def test_drift_and_the_base_are_added_to_what_has_come_through_the_play() -> None:
+    sensor = LearnedReading(play=0.01, cubic=2.0, drift=1e-3, base=2e-3)
+    time, a_x, theta = np.array([0.0, 1.0, 2.0]), np.array([0.0, 3.0, -1.0]), np.array([0.11, 0.21, 0.0])
+    through = np.array([0.1, 0.2, 0.01])
+    expected = through + 2.0 * through**3 + 1e-3 * time + 2e-3 * a_x
+    np.testing.assert_allclose(sensor.recorded(theta, Seen(time, a_x)), expected, rtol=1e-12)
+
+
+def test_the_sensor_of_a_run_feels_its_base_and_the_time_since_its_start() -> None:
+    given = {"drift": 1e-3, "base": 2e-3}
+    motion = SteadySinusoid(1.0, 2.0, 3.0)
+    t = np.linspace(0.0, 2.0, 21)
+    run = solve(Method1(Block(0.2, 0.6)), motion, theta=0.05, t_end=2.0, save_at=t,
+                effects=[LearnedReading(**given), load("rotation_gain")(gain=1.1)])  # fmt: skip
+    assert run.t[-1] > 1.0
+    expected = 1.1 * (run.theta + 1e-3 * run.t + 2e-3 * motion(run.t)[0])
+    np.testing.assert_allclose(rotation_sensor(run), expected, rtol=0.0, atol=1e-12)
+
+
+def test_a_model_finds_the_rotation_of_a_peak_behind_the_play() -> None:
+    model = LoopModel(DECLARED, 0.9, {"learned_reading": {"play": 0.002}, "rotation_offset": {"offset": 0.01}})
+    for theta in (0.2, -0.15):
+        assert model.at_peak(theta) == pytest.approx(theta - math.copysign(0.002, theta) + 0.01, abs=1e-15)
+        assert model.peak(model.at_peak(theta)) == pytest.approx(theta, abs=1e-15)
+    plain = LoopModel(DECLARED, 0.9, {"rotation_gain": {"gain": 2.0}})
+    assert not plain.remembers and plain.at_peak(0.1) == 0.2 and plain.peak(0.2) == 0.1

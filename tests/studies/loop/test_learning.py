@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from rocking.effects import load
 from rocking.effects.learned_curve import ODD, curve, numbers
@@ -147,6 +148,88 @@ def test_friction_on_one_side_beyond_a_lean_is_drawn_as_it_was() -> None:
     away = np.array([*np.linspace(-0.2, 0.03, 24), *np.linspace(0.13, 0.22, 10)])
     drawn = curve(np, away - values[0], values, 1)
     np.testing.assert_allclose(drawn, np.where(away > 0.08, -0.15, 0.0), rtol=0.0, atol=0.03)
+
+
+def through_a_gap(theta: np.ndarray) -> np.ndarray:
+    """What play of 0.5 mrad takes off a reading."""
+    slot, out = 0.0, np.empty(theta.size)
+    for k, pin in enumerate(theta):
+        slot = pin - 5e-4 if pin - slot > 5e-4 else pin + 5e-4 if slot - pin > 5e-4 else slot
+        out[k] = slot
+    return np.asarray(out - theta)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("added", "what", "size"),
+    [
+        (through_a_gap, "play", 5e-4),
+        (lambda theta: 2e-4 * STEP * np.arange(theta.size), "drift", 2e-4),
+    ],
+)
+def test_what_a_sensor_does_in_time_is_learned(
+    added: Callable[[np.ndarray], np.ndarray], what: str, size: float
+) -> None:
+    found = learned(IDEAL, added)
+    assert found.names == (f"learned[reading {what}]",)
+    assert found.swing.model.get(f"learned_reading.{what}") == pytest.approx(size, rel=0.03)
+    assert found.swing.model.restitution == pytest.approx(E, abs=5e-4)
+
+
+def shaken(
+    added: Callable[[np.ndarray], np.ndarray],
+    felt: Callable[[np.ndarray], np.ndarray],
+    pushes: Sequence[tuple[float, float]],
+) -> Trial:
+    """What is learned of shaken tests, each of a frequency [Hz] and an amplitude [m/s^2].
+
+    added: what the sensor adds as the base is accelerated [rad, m/s^2]; felt: what the block feels of the acceleration
+    that is recorded [m/s^2].
+    """
+    rng, tests, time = np.random.default_rng(2), [], STEP * np.arange(2501)
+    channels = (Channel("base", "base_acceleration_x", 1e-3), Channel("rotation", "rotation", NOISE))
+    for k, (frequency, most) in enumerate(pushes):
+        push = most * np.minimum(time / 4.0, 1.0) * np.sin(2.0 * np.pi * frequency * time)
+        zero = np.zeros(time.size)
+        floor = table.pieces(STEP, felt(push), zero, (zero, zero, zero))
+        read = (
+            event.simulate(IDEAL, floor, STEP, 1, 0.0).rotation + added(push) + NOISE * rng.standard_normal(time.size)
+        )
+        assert np.nanmax(np.abs(read)) < 0.25
+        tests.append(Test(f"forced-{k}", "forced", time, channels, {"base": push, "rotation": read}))
+    records = [record_of(test, k, NOISE, DECLARED.alpha) for k, test in enumerate(tests)]
+    simulator = Simulator(tests)
+    windows = swing_windows(in_order([record for record in records if record is not None], DECLARED))
+    plain = baseline(simulator, LoopModel(DECLARED, E, {}, G), windows)
+    assert plain.swing.rms > 1.3
+    return learn(simulator, plain, lambda text: None)
+
+
+@pytest.mark.slow
+def test_a_sensor_that_feels_the_base_is_learned() -> None:
+    found = shaken(lambda push: 2e-4 * push, lambda push: push, ((2.0, 4.0), (3.0, 8.0)))
+    assert found.names == ("learned[reading base]",)
+    assert found.swing.model.get("learned_reading.base") == pytest.approx(2e-4, rel=0.03)
+
+
+@pytest.mark.slow
+def test_a_plate_between_the_sensor_of_the_base_and_the_block_is_learned() -> None:
+    """12 Hz, damping ratio 0.1: its answer by a Runge-Kutta method of SciPy's, where the package has a filter."""
+    w, time = 2.0 * np.pi * 12.0, STEP * np.arange(2501)
+
+    def felt(push: np.ndarray) -> np.ndarray:
+        def rates(t: float, y: np.ndarray) -> tuple[float, float]:
+            return y[1], -(w**2) * y[0] - 0.2 * w * y[1] - float(np.interp(t, time, push))
+
+        span = (0.0, time[-1])
+        there = solve_ivp(rates, span, (0.0, 0.0), t_eval=time, rtol=1e-8, atol=1e-12, max_step=STEP).y
+        return np.asarray(-(w**2) * there[0] - 0.2 * w * there[1])
+
+    # At 5 Hz the plate is late enough to tell its damping.
+    found = shaken(nothing, felt, ((2.0, 4.5), (5.0, 10.0)))
+    assert found.names == ("learned[plate]",)
+    assert found.swing.model.get("learned_base.frequency") == pytest.approx(12.0, rel=0.02)
+    assert found.swing.model.get("learned_base.damping_ratio") == pytest.approx(0.1, rel=0.1)
 
 
 def first_learned(world: World) -> Trial:

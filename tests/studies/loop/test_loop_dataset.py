@@ -172,7 +172,8 @@ def test_models_with_further_freedoms_have_no_residual_torque():
 
 def test_restitution_of_the_model_at_a_measured_impact():
     simulator, _, _ = _by_hand(0.0)
-    before = np.array([0.0, 1.0]), np.array([LONG_AGO, 0.4])  # how many, how long ago
+    before = np.array([0.0, 1.0]), np.array([LONG_AGO, 0.4])  # how many of the test, how long ago
+    before += np.array([3.0, 4.0]), np.array([2.0, 2.5])  # how many of all, and the squares of their speeds
     seen = Impacts(np.array([0.2, 0.6]), np.array([1, -1]), np.array([-0.5, 0.4]), np.zeros(2), np.ones(2), *before)
     slope = {"velocity_dependent_restitution": {"slope": 0.1}}
     plain = modelled_restitution(LoopModel(DECLARED, 0.9), simulator, 0, seen)
@@ -182,6 +183,10 @@ def test_restitution_of_the_model_at_a_measured_impact():
     memory = {"learned_memory": {"first": -0.03, "first_impacts": 2.0, "recent": -0.02, "recent_time": 0.2}}
     remembering = modelled_restitution(LoopModel(DECLARED, 0.9, memory), simulator, 0, seen)
     assert remembering - plain == pytest.approx([-0.03, -0.03 * math.exp(-0.5) - 0.02 * math.exp(-2.0)])
+    for exponent, use in ((0.0, before[2]), (2.0, before[3])):
+        wears = {"learned_memory": {"worn": -0.04, "worn_use": 3.0, "worn_exponent": exponent}}
+        worn = modelled_restitution(LoopModel(DECLARED, 0.9, wears), simulator, 0, seen)
+        assert worn - plain == pytest.approx(-0.04 * (1.0 - np.exp(-use / 3.0)))
 
 
 def test_a_block_that_remembers_impacts_has_the_residual_torque_of_one_that_does_not():
