@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rocking.arguments import array_of, check_kinds
+from rocking.arguments import array_of, check_kinds, check_start, check_tilt
 from rocking.effect import Effect
 from rocking.hybrid import Discrete, System
 from rocking.motion import BaseMotion, Still, pitch_kernel
@@ -64,13 +64,11 @@ def solve(
         ValueError: an argument is out of range, the solver is unknown, or it declines the system or the motion, or the
             system cannot carry an effect.
     """
-    for name, value in (("t_start", t_start), ("theta", theta), ("omega", omega)):
-        if not math.isfinite(real(value)):
-            raise ValueError(f"{name}={value!r}: want a finite number")
+    if not math.isfinite(real(t_start)):
+        raise ValueError(f"t_start={t_start!r}: want a finite number")
     if not (math.isfinite(real(t_end)) and t_end > t_start):
         raise ValueError(f"t_end={t_end!r} s: want a time after t_start={t_start!r} s")
-    if abs(theta) >= 0.5 * math.pi:
-        raise ValueError(f"theta={theta!r} rad: want between -pi/2 and pi/2, where the block lies on its side")
+    check_start(theta, omega)
     positive("rtol", rtol, "1")
     positive("atol", atol, "SI units of the state")
     if not real(max_events) >= 1.0:
@@ -96,6 +94,8 @@ def solve(
     y0, q0 = system.initial_state(theta, omega) if initial is None else initial
     if len(y0) != len(system.state_names):
         raise ValueError(f"initial: {len(y0)} numbers, want {', '.join(system.state_names)} of {system.name}")
+    if initial is not None:
+        check_tilt("initial: theta", y0[system.state_names.index("theta")])
     run = carrier.solve(
         system, base, y0, q0, (float(t_start), float(t_end)),
         rtol=rtol, atol=atol, save_at=times, max_events=max_events,

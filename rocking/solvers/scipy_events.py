@@ -64,6 +64,11 @@ class _Run:
         self.statistics["flow_evaluations"] += 1
         return self.system.flow(scalars, y.tolist(), self.q, self.base(t), self.par)
 
+    def finite_after(self, t: float, y: State) -> bool:
+        """Whether base and slope are finite just after t, further than the smallest step that DOP853 tries."""
+        ahead = t + 100.0 * abs(math.nextafter(t, math.inf) - t)
+        return bool(np.all(np.isfinite([*self.base(ahead), *self.flow(ahead, y)])))
+
     def guards(self, t: float, y: State) -> tuple[float, ...]:
         return self.system.guards(scalars, y.tolist(), self.q, self.base(t), self.par)
 
@@ -158,7 +163,7 @@ def _smooth_stretch(
         while event is None and stepper.status == "running":
             stepper.step()
             if stepper.status == "failed":
-                return t, STEP_TOO_SMALL
+                return t, STEP_TOO_SMALL if run.finite_after(stepper.t, stepper.y) else NOT_FINITE
             run.statistics["steps"] += 1
             state_at: Callable[[float], State] = stepper.dense_output()
             event = _first_event(run, t_mode, stepper.t_old, stepper.t, state_at)

@@ -12,6 +12,7 @@ import pytest
 
 from excitation import RampedSinusoid
 from rocking import Block, Method1, Method2, Mode, solve
+from rocking.hybrid import Discrete
 
 jax = pytest.importorskip("jax")
 
@@ -171,6 +172,10 @@ def test_a_batch_tells_what_scipy_tells(amplitudes: Any) -> None:
         (Method1(Block(0.2, 0.8), form="linear", onset="linear"), {"restitution": 0.8, "rest_speed": 1e-5}),
         (Method2(Block(0.2, 0.8), 0.5), {"friction": 0.6, "normal_restitution": 0.2}),
         (Method2(Block(0.2, 0.8), 0.5, 0.4, impact_law="two_corner", restitution=0.95), {"restitution": 0.97}),
+        # b/h above sqrt(2): Housner's 1 - 1.5 sin^2(alpha) would be -0.2, and the block lands on both corners.
+        (Method1(Block(2.0, 1.0)), {}),
+        (Method1(Block(0.5, 1.0)), {"b": 2.0}),
+        (Method2(Block(0.5, 1.0), 0.5), {"b": 2.0}),
     ],
 )
 def test_traced_parameters_are_those_of_the_system(system: Any, changes: dict[str, float]) -> None:
@@ -179,6 +184,24 @@ def test_traced_parameters_are_those_of_the_system(system: Any, changes: dict[st
     expected = replace(system, block=replace(system.block, **sizes), **others).parameters
     np.testing.assert_allclose(parameters_for(system, **changes), expected, rtol=1e-14)
     np.testing.assert_allclose(parameters_for(system), system.parameters, rtol=1e-14)
+
+
+# At pi/2 the block lies on its side: what `solve` refuses is refused here, unless it is traced and has no value yet.
+def test_a_block_that_has_fallen_is_no_start() -> None:
+    fallen, q = np.array([[0.1, 0.0], [2.0, 0.0]]), Discrete(Mode.ROTATION, 1.0, 1.0)
+    for run in (response, batch):
+        with pytest.raises(ValueError, match=r"theta=2\.0 rad: want between -pi/2 and pi/2"):
+            run(SYSTEM, theta=2.0, t_end=1.0)
+        with pytest.raises(ValueError, match="omega=nan"):
+            run(SYSTEM, omega=math.nan, t_end=1.0)
+    with pytest.raises(ValueError, match=r"initial: theta=-2\.0 rad: want between -pi/2 and pi/2"):
+        response(SYSTEM, initial=((-2.0, 0.0), q), t_end=1.0)
+    with pytest.raises(ValueError, match=r"initial: theta=2\.0 rad"):
+        batch(SYSTEM, initial=(fallen, q), t_end=1.0)
+    with pytest.raises(ValueError, match="initial: 3 numbers, want theta, omega of method1"):
+        response(SYSTEM, initial=((0.1, 0.0, 0.0), q), t_end=1.0)
+    _, slope = sensitivity(lambda x: response(SYSTEM, initial=((x, 0.0), q), t_end=0.1).theta_end, 0.1)
+    assert np.isfinite(slope)
 
 
 def test_wrong_arguments_are_answered_in_a_sentence() -> None:

@@ -211,19 +211,24 @@ def advance(model: Model, recorder: Recorder, inputs: Inputs, c: Progress, recor
         steps=c.steps + (measured & taken),
         status=c.status,
     )
-    return progress._replace(status=_status(inputs, progress, due.broken, event, measured & ~fits)), record
+    return progress._replace(status=_status(inputs, progress, due.broken, event, measured & ~fits, size)), record
 
 
-def _status(inputs: Inputs, c: Progress, broken: Any, event: Event, refused: Any) -> Any:
-    """Whether the run goes on, and how it ended if not; the first that holds counts."""
+def _status(inputs: Inputs, c: Progress, broken: Any, event: Event, refused: Any, size: Any) -> Any:
+    """Whether the run goes on, and how it ended if not; the first that holds counts.
+
+    size: error of the step; no number where state or base motion are not finite within it.
+    """
     fired = event.fired
+    stuck = refused & (c.h < 1e-15 * (1.0 + jnp.abs(c.t)))
     endings = (
         (broken, NOT_FINITE),
         (fired & (event.guard == 0), FELL),
         (fired & (c.q.mode == INADMISSIBLE), INADMISSIBLE_STATE),
         (fired & (c.stalled > MAX_STALLED), STALLED),
         (fired & (c.events > inputs.max_events), TOO_MANY_EVENTS),
-        (refused & (c.h < 1e-15 * (1.0 + jnp.abs(c.t))), STEP_TOO_SMALL),
+        (stuck & ~jnp.isfinite(size), NOT_FINITE),
+        (stuck, STEP_TOO_SMALL),
         (c.t >= inputs.edges[-1], REACHED_END),
     )
     status = jnp.asarray(RUNNING)

@@ -75,17 +75,22 @@ def _geometry(xp: Any, v: dict[str, Any]) -> tuple[Any, Any, Any]:
     return R, xp.arctan2(v["b"], v["h"]), 0.75 * v["g"] / R
 
 
+def _housner(xp: Any, alpha: Any) -> Any:
+    """Housner's restitution [1], 0 where it would be below: such a block lands on both corners and stops."""
+    return xp.maximum(1.0 - 1.5 * xp.sin(alpha) ** 2, 0.0)
+
+
 def _method1(xp: Any, system: Any, v: dict[str, Any]) -> Parameters1:
     _, alpha, p2 = _geometry(xp, v)
-    e = 1.0 - 1.5 * xp.sin(alpha) ** 2 if v["restitution"] is None else v["restitution"]
+    e = _housner(xp, alpha) if v["restitution"] is None else v["restitution"]
     onset = v["b"] / v["h"] if system.onset == "west" else alpha
     return Parameters1(p2=p2, alpha=alpha, g=v["g"], onset=onset, e=e, omega_rest=v["rest_speed"] * xp.sqrt(p2))
 
 
 def _method2(xp: Any, system: Any, v: dict[str, Any]) -> Parameters2:
     _, alpha, p2 = _geometry(xp, v)
-    b, h, e = v["b"], v["h"], v["restitution"]
-    e = xp.maximum(1.0 - 1.5 * xp.sin(alpha) ** 2, 0.0) if e is None else e
+    b, h = v["b"], v["h"]
+    e = _housner(xp, alpha) if v["restitution"] is None else v["restitution"]
     return Parameters2(
         a=0.5 * b,
         r=0.0,

@@ -42,6 +42,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rocking.arguments import check_start, check_tilt
 from rocking.hybrid import Discrete, System, numbers_of
 from rocking.motion import BaseMotion, Still
 from rocking.solvers.diffrax.model import discrete, model_of
@@ -77,7 +78,8 @@ def response(
         system, motion: the block under a method; what the base does (at rest if not given).
         t_end, t_start: times [s].
         theta, omega: rotation [rad] and angular velocity [rad/s] at the start, plain floats.
-        initial: state (y, q) at the start in place of them; y, shape (state,) or a tuple, may be traced.
+        initial: state (y, q) at the start in place of them; y, shape (state,) or a tuple, may be traced: its rotation
+            is then not held against its range, -pi/2 to pi/2.
         parameters: in place of `system.parameters`: a NamedTuple of the same kind, entries may be traced.
         motion_parameters: in place of `motion.parameters`, shape (parameter,), may be traced.
         breakpoints: in place of `motion.breakpoints` [s], shape (breakpoint,), may be traced.
@@ -193,12 +195,12 @@ def _run(
     """The run that the arguments ask for."""
     if not (math.isfinite(span[0]) and math.isfinite(span[1]) and span[1] > span[0]):
         raise ValueError(f"t_end={span[1]!r} s: want a time after t_start={span[0]!r} s")
-    for name, value in (("theta", released[0]), ("omega", released[1])):
-        if initial is None and not math.isfinite(value):
-            raise ValueError(f"{name}={value!r}: want a finite number")
+    check_start(*released)
     if initial is not None and released != (0.0, 0.0):
         raise ValueError("initial: want it without theta and omega, which it already holds")
     y0, q0 = system.initial_state(*released) if initial is None else initial
+    if initial is not None:
+        _check_state(system, y0)
     return Run(
         par=numbers_of(system.parameters if parameters is None else parameters),
         motion_par=motion.parameters if motion_parameters is None else motion_parameters,
@@ -208,6 +210,17 @@ def _run(
         y0=np.asarray(y0, float) if isinstance(y0, tuple) and initial is None else y0,
         q0=q0,
     )
+
+
+def _check_state(system: System, y0: Any) -> None:
+    """ValueError for a state of another size, or one in which a block has fallen as far as its numbers are known."""
+    names = tuple(system.state_names)
+    entries = list(y0) if isinstance(y0, tuple | list) else [y0[..., k] for k in range(np.shape(y0)[-1])]
+    if len(entries) != len(names):
+        raise ValueError(f"initial: {len(entries)} numbers, want {', '.join(names)} of {system.name}")
+    theta = entries[names.index("theta")]
+    if not isinstance(theta, jax.core.Tracer):
+        check_tilt("initial: theta", theta)
 
 
 def _recorder(keep_impacts: int) -> SummaryRecorder:

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rocking.arguments import writable
 from rocking.hybrid import REST, ROTATION, Discrete, System
 from rocking.motion import BaseMotion
 from rocking.solvers.interrupts import uninterrupted
@@ -75,7 +76,7 @@ class Exact:
             raise ValueError(f"initial: mode {int(q0.mode)} is none of Method 1's; want {REST} or {ROTATION}")
         s = float(q0.s)
         start = np.array([float(q0.mode), s, s * y0[0], s * y0[1], *t_span])
-        tally, last_mode, log = _run(system, motion, start, np.ascontiguousarray(save_at, np.float64), max_events)
+        tally, last_mode, log = _run(system, motion, start, writable(save_at), max_events)
         saved, events = int(tally.saved), int(tally.events)
         code = log.event_code[:events]
         return trajectory(

@@ -237,10 +237,13 @@ def integrate(
                 step(flow, motion, t, y, h, q, par, mpar, low, high, k, stage, y_new)
                 error = error_norm(y, y_new, h, k, rtol, atol)
                 if not error <= 1.0:
+                    tried = h
                     h *= max(0.2, 0.9 * error**-0.2) if error < np.inf else 0.2
                     fresh = False
                     if h < 1e-15 * (1.0 + abs(t)):
-                        status = STEP_TOO_SMALL
+                        # What is not finite leaves no step an error that could be judged.
+                        base = base_at(motion, t + tried, low, high, mpar)
+                        status = STEP_TOO_SMALL if all_finite(y_new, base) else NOT_FINITE
                     continue
                 count[2] += 1
                 kg, share = first_event(guards, motion, n_guards, t, h, y, y_new, q, par, mpar, low, high, k, out)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rocking.arguments import writable
 from rocking.hybrid import Discrete, System
 from rocking.motion import BaseMotion
 from rocking.solvers.interrupts import uninterrupted
@@ -66,11 +67,11 @@ class NumbaEvents:
             np.array(y0, dtype=np.float64),
             _discrete(q0),
             compiled_parameters(par),
-            np.ascontiguousarray(motion.parameters, dtype=np.float64),
+            writable(motion.parameters),
             segment_edges(motion, *t_span),
             float(motion.max_step),
             np.array([rtol, atol]),
-            np.ascontiguousarray(save_at, dtype=np.float64),
+            writable(save_at),
             max_events,
             n_guards,
             (system.state_names.index("theta"), system.state_names.index("omega")),

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rocking.arguments import writable
 from rocking.hybrid import Discrete, System
 from rocking.motion import BaseMotion
 from rocking.solvers.interrupts import uninterrupted
@@ -60,7 +61,7 @@ class Taylor:
     ) -> Trajectory:
         """The trajectory from t_span[0] to the fall or t_span[1]; rtol and atol have nothing to act on."""
         start = np.array([start_row(y0, q0, t_span)])
-        times = np.ascontiguousarray(save_at, np.float64)
+        times = writable(save_at)
         (status, last_mode, end, events, saved), log, peak = _run(system, motion, start, times, max_events)
         events, saved = int(events), int(saved)
         code = log.event_code[:events]
