@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from rocking.validation import positive
+from rocking.validation import as_floats, positive
 
 G_STANDARD = 9.80665
 """Standard acceleration of gravity [m/s^2] (CGPM 1901)."""
@@ -40,6 +40,7 @@ class Block:
     def __post_init__(self) -> None:
         for name, unit in (("b", "m"), ("h", "m"), ("d", "m"), ("density", "kg/m^3")):
             positive(name, getattr(self, name), unit)
+        as_floats(self, "b", "h", "d", "density")
 
     @property
     def mass(self) -> float:

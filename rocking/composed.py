@@ -21,7 +21,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from rocking.form import Form, levers
-from rocking.hybrid import REST, ROTATION, Anchor, Base, Discrete, Hooks, in_floor_axes
+from rocking.hybrid import REST, ROTATION, WITHIN, Anchor, Base, Discrete, Hooks, in_floor_axes
 from rocking.method1 import Method1
 
 FALL, IMPACT, TIP_RIGHT, TIP_LEFT = range(4)
@@ -77,17 +77,17 @@ def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any
     return rotating * y[1], rotating * (q.s * torque / M + added(y[0], y[1], q.s, base, par))
 
 
-def _held(xp: Any, s: Any, base: Base, par: Parameters, pushing: Any) -> Any:
+def _held(xp: Any, s: Any, base: Base, par: Parameters, pushing: Any, within: float) -> Any:
     """Moment over mass [m^2/s^2] that is left before the side s begins to carry; below zero it does.
 
-    pushing: what else turns the block to +x [m^2/s^2].
+    pushing: what else turns the block to +x [m^2/s^2]; within: share of the weight's moment that counts as nothing.
     """
     # The levers of phi = 0, without their sines.
     q, z = par.a - s * par.o, par.r + par.H
     A_x, A_z = in_floor_axes(xp, base, par.g)
     torque = -(A_z * q + s * (A_x * z + base.pitch_acceleration * (z * z - s * par.o * q + par.rho2)))
     M = par.rho2 + z * z + q * q
-    return par.hold - torque - s * (M * added(0.0, 0.0, s, base, par) + pushing)
+    return par.hold - torque - s * (M * added(0.0, 0.0, s, base, par) + pushing) + within * A_z * q
 
 
 def guards(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any, Any, Any, Any]:
@@ -100,7 +100,10 @@ def guards_with(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters, pushi
     rotating = q.mode == ROTATION
     fall = 0.5 * math.pi - xp.abs(y[0])
     impact = xp.where(rotating, q.s * y[0], 1.0)
-    right, left = _held(xp, 1.0, base, par, pushing), _held(xp, -1.0, base, par, pushing)
+    right, left = (
+        _held(xp, 1.0, base, par, pushing, 2.0 * WITHIN),
+        _held(xp, -1.0, base, par, pushing, 2.0 * WITHIN),
+    )
     return fall, impact, xp.where(rotating, 1.0, right), xp.where(rotating, 1.0, left)
 
 
@@ -121,7 +124,8 @@ def jump_with(
     """The same with so much more restitution [1], and so large a moment over mass besides [m^2/s^2]."""
     impact = k == IMPACT
     omega = xp.where(impact, _after(xp, y[1], q.s, par, more), 0.0)
-    holds = (_held(xp, 1.0, base, par, pushing) >= 0.0) & (_held(xp, -1.0, base, par, pushing) >= 0.0)
+    right, left = _held(xp, 1.0, base, par, pushing, WITHIN), _held(xp, -1.0, base, par, pushing, WITHIN)
+    holds = (right >= 0.0) & (left >= 0.0)
     rests = impact & (xp.abs(omega) < par.omega_rest) & holds
     s = xp.where(impact, -q.s, xp.where(k == TIP_RIGHT, 1.0, -1.0))
     mode = xp.where(rests, REST, ROTATION)

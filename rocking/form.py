@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from rocking.block import Block
+from rocking.validation import as_floats
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,7 @@ class Form:
             value = getattr(self, name)
             if not (math.isfinite(value) and value >= 0.0):
                 raise ValueError(f"{name}={value!r} {unit}: want 0 or more")
+        as_floats(self, "half_breadth", "edge_radius", "offset", "mass_height", "mass", "inertia", "adhesion")
         if not abs(self.offset) < self.half_breadth:
             raise ValueError(
                 f"offset={self.offset!r} m: want less than half of the breadth it stands on, {self.half_breadth!r} m"

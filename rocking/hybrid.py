@@ -24,6 +24,11 @@ from typing import Any, NamedTuple, Protocol
 
 REST, SLIDE, ROTATION, SLIDE_ROTATION, TRANSLATION_JUMP, ROTATION_JUMP = range(6)
 
+WITHIN = 1e-14
+"""A block at rest, or sliding on both corners, bears a push that exceeds what holds it by this share [1]: the two count
+as equal.  One and the same product is rounded in one place, and fused with the sum behind it by a compiler in another.
+Guards let twice as much pass, so that a block which a jump has judged to stand does so in the mode that follows."""
+
 INADMISSIBLE = -1
 """Mode of a state that the model cannot carry on from; the system says why in `inadmissible_reason`."""
 
@@ -115,7 +120,10 @@ class System(Protocol):
 
     @property
     def state_names(self) -> tuple[str, ...]:
-        """Names of the entries of `y`, `theta` and `omega` among them."""
+        """Names of the entries of `y`, `theta` and `omega` among them.
+
+        A system with states of its own may have `state_labels`, a mapping from their names to (units, long name).
+        """
 
     @property
     def guard_names(self) -> tuple[str, ...]:

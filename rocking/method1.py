@@ -23,8 +23,8 @@ from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
 from rocking.block import G_STANDARD, Block
-from rocking.hybrid import REST, ROTATION, Anchor, Base, Discrete, in_floor_axes
-from rocking.validation import positive, within
+from rocking.hybrid import REST, ROTATION, WITHIN, Anchor, Base, Discrete, in_floor_axes
+from rocking.validation import as_floats, positive, within
 
 FALL, IMPACT, TIP = range(3)
 
@@ -74,7 +74,7 @@ def guards(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[A
     fall = 0.5 * math.pi - xp.abs(y[0])
     impact = xp.where(rotating, q.s * y[0], 1.0)
     push, stands = _push(xp, base, par)
-    tip = xp.where(rotating, 1.0, stands - xp.abs(push))
+    tip = xp.where(rotating, 1.0, (1.0 + 2.0 * WITHIN) * stands - xp.abs(push))
     return fall, impact, tip
 
 
@@ -83,7 +83,7 @@ def jump(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters, k: Any) -> t
     impact = k == IMPACT
     omega = xp.where(impact, par.e * y[1], 0.0)
     push, stands = _push(xp, base, par)
-    rests = impact & (xp.abs(omega) < par.omega_rest) & (xp.abs(push) <= stands)
+    rests = impact & (xp.abs(omega) < par.omega_rest) & (xp.abs(push) <= (1.0 + WITHIN) * stands)
     pushed = xp.where(push > 0.0, -1.0, 1.0)
     s = xp.where(impact, -q.s, pushed)
     mode = xp.where(rests, REST, ROTATION)
@@ -142,6 +142,7 @@ class Method1:
         positive("rest_speed", self.rest_speed, "1")
         if self.restitution is not None:
             within("restitution", self.restitution, 0.0, 1.0)
+        as_floats(self, "restitution", "g", "rest_speed")
 
     @property
     def e(self) -> float:

@@ -15,32 +15,61 @@ from typing import Any, Literal
 
 from rocking.block import G_STANDARD, Block
 from rocking.form import Form, levers
-from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, SLIDE, SLIDE_ROTATION, TRANSLATION_JUMP, Anchor, Discrete
+from rocking.hybrid import (
+    REST,
+    ROTATION,
+    ROTATION_JUMP,
+    SLIDE,
+    SLIDE_ROTATION,
+    TRANSLATION_JUMP,
+    WITHIN,
+    Anchor,
+    Discrete,
+)
 from rocking.method2_equations import (
     FRICTIONAL,
     KINEMATIC,
     TWO_CORNER,
-    WITHIN,
     Parameters,
     balance,
     flow,
     guards,
 )
 from rocking.method2_transitions import jump
-from rocking.validation import positive, within
+from rocking.validation import as_floats, positive, within
 
 ImpactLaw = Literal["frictional", "kinematic", "two_corner"]
+NUMBERS = (
+    "friction", "kinetic_friction", "normal_restitution", "tangential_restitution", "g", "rest_speed", "chatter_time",
+    "ratio_kept",
+)  # fmt: skip
+"""Arguments that are numbers in any case."""
+
 IMPACT_LAWS = {"frictional": FRICTIONAL, "kinematic": KINEMATIC, "two_corner": TWO_CORNER}
 
 JAMMING_FRICTION = 4.0 / 3.0
 """Kinetic friction from which a sliding corner of a uniform rectangle jams at some tilt."""
 
 KINEMATIC_CHI = 0.36
-"""Largest value over all tilts of 9 s^2 c^2 / ((1 + 3 s^2)(1 + 3 c^2)), s, c = sin, cos psi, at psi = pi/4."""
+"""`kinematic_chi` of a uniform rectangle, whose R^2 / rho2 is 3."""
 
 
 TILTS = tuple(math.radians(0.25 * k) for k in range(361))
 """Tilts [rad] at which a sliding corner of a form that is no rectangle is looked at for jamming."""
+
+
+def kinematic_chi(form: Form) -> float:
+    """Least chi [1] with which (1 - e_n^2)(1 - e_t^2) >= chi (1 - e_n e_t)^2 rules out a gain of energy at any tilt.
+
+    At an arm (r_x, r_z) the corner's velocities w = (u, v) carry the energy w A^-1 w / 2 with A of `rocking.impacts`.
+    It does not grow from w to (-e_t u, -e_n v) if the pair satisfies that with chi = A_xz^2 / (A_xx A_zz), which for
+    r = R (sin psi, -cos psi) and k = R^2 / rho2 is largest at psi = pi/4: (k/2)^2 / (1 + k/2)^2.  It grows with k: the
+    longer arm counts, and of a rounded edge, whose arm changes with the tilt, the longest that there may be.
+    """
+    arm = math.hypot(form.half_breadth + abs(form.offset), form.mass_height - form.edge_radius)
+    longest = arm + form.edge_radius
+    half_k = 0.5 * longest**2 / form.rho2
+    return (half_k / (1.0 + half_k)) ** 2
 
 
 @dataclass(frozen=True)
@@ -114,6 +143,7 @@ class Method2:
         if not isinstance(self.impact_law, str) or self.impact_law not in IMPACT_LAWS:
             raise ValueError(f"impact_law={self.impact_law!r}: want one of {', '.join(IMPACT_LAWS)}")
         within("ratio_kept", self.ratio_kept, 0.0, 1.0)
+        as_floats(self, *NUMBERS)
         if self.ratio_kept > 0.0 and self.impact_law != "two_corner":
             raise ValueError(
                 f"ratio_kept={self.ratio_kept!r}: want impact_law='two_corner' with it, not {self.impact_law!r}"
@@ -158,16 +188,18 @@ class Method2:
 
     def _check_kinematic_energy(self) -> None:
         e_n, e_t = self.normal_restitution, self.tangential_restitution
-        if (1.0 - e_n**2) * (1.0 - e_t**2) < KINEMATIC_CHI * (1.0 - e_n * e_t) ** 2:
+        chi = KINEMATIC_CHI if self.form is None else kinematic_chi(self.form)
+        if (1.0 - e_n**2) * (1.0 - e_t**2) < chi * (1.0 - e_n * e_t) ** 2:
             raise ValueError(
                 f"normal_restitution={e_n!r}, tangential_restitution={e_t!r}: the kinematic pair creates energy at "
-                "some tilt; want (1 - e_n^2)(1 - e_t^2) >= 0.36 (1 - e_n e_t)^2"
+                f"some tilt; want (1 - e_n^2)(1 - e_t^2) >= {chi:.4g} (1 - e_n e_t)^2"
             )
 
     def _check_two_corner(self) -> None:
         if self.restitution is None:
             raise ValueError("restitution=None: want a number with impact_law='two_corner'")
         within("restitution", self.restitution, 0.0, 1.0)
+        as_floats(self, "restitution")
         self.shape.restitutions(self.restitution)
 
     @property
@@ -225,7 +257,8 @@ class Method2:
             z: height [m] of the lower corner over the floor, 0 or more.
 
         Raises:
-            ValueError: z is negative, or a velocity would drive a corner into the floor.
+            ValueError: z is negative, a velocity would drive a corner into the floor, or a corner on the floor moves
+                along it with infinite friction.
         """
         within("z", z, 0.0, math.inf)
         leans = theta if theta != 0.0 else omega
@@ -246,12 +279,12 @@ class Method2:
             raise ValueError(f"v={v!r} m/s: want 0 or more for a corner on the floor")
         if z > 0.0 or v > 0.0:
             return TRANSLATION_JUMP if omega == 0.0 else ROTATION_JUMP
+        if u != 0.0 and self.friction == math.inf:
+            raise ValueError(f"u={u!r} m/s: want 0 for a corner on the floor with friction=inf, which holds it")
         if leans == 0.0:
             if u == 0.0:
                 return REST
             form = self.shape
             arm = form.half_breadth - math.copysign(1.0, u) * form.offset
             return SLIDE if self.mu_k * form.mass_height <= arm * (1.0 + WITHIN) else SLIDE_ROTATION
-        if u == 0.0 or self.friction == math.inf:
-            return ROTATION
-        return SLIDE_ROTATION
+        return ROTATION if u == 0.0 else SLIDE_ROTATION

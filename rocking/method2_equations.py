@@ -28,14 +28,21 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from rocking.hybrid import REST, ROTATION, SLIDE, SLIDE_ROTATION, TRANSLATION_JUMP, Base, Discrete, in_floor_axes
+from rocking.hybrid import (
+    REST,
+    ROTATION,
+    SLIDE,
+    SLIDE_ROTATION,
+    TRANSLATION_JUMP,
+    WITHIN,
+    Base,
+    Discrete,
+    in_floor_axes,
+)
 
 X, Z, THETA, U, V, OMEGA = range(6)
 FALL, LANDING, CONTACT, SLIP, STICK, LIFT, TIP = range(7)
 FRICTIONAL, KINEMATIC, TWO_CORNER = range(3)
-
-WITHIN = 1e-14
-"""A slide on both corners may need so much of the weight beyond the breadth: rounding, where mu_k is b/h."""
 
 Turning = Callable[..., Any]
 """(xp, theta, omega, s, base, par) -> the angular acceleration [rad/s^2] that effects add on a fixed corner."""
@@ -217,7 +224,7 @@ def guards_with(
     over_right, over_left = standing_margins(friction, felt, par, right, left)
     # Of a slide by its weight, so that it does not go to zero where the block leaves the floor.
     weight = xp.where(slides & (felt.A_z > 0.0), felt.A_z, par.g)
-    margin = xp.minimum(over_right, over_left) + xp.where(slides, 2.0 * WITHIN * par.a * felt.A_z, par.hold)
+    margin = xp.minimum(over_right, over_left) + xp.where(slides, 0.0, par.hold) + 2.0 * WITHIN * par.a * felt.A_z
     margin = xp.where(slides & (felt.A_z <= 0.0), par.H * par.g, margin * (par.g / weight))
 
     fall = 0.5 * math.pi - xp.abs(theta)
@@ -225,7 +232,7 @@ def guards_with(
     landing = xp.where(in_air, y[1] + q.s * 2.0 * par.a * xp.sin(theta), landing)
     contact = xp.where(in_air, y[1], 1.0)
     slip = xp.where(rotates, mu_s * N_stick - xp.abs(F), 1.0)
-    slip = xp.where(at_rest, mu_s * felt.A_z - xp.abs(felt.A_x), slip)
+    slip = xp.where(at_rest, (1.0 + 2.0 * WITHIN) * mu_s * felt.A_z - xp.abs(felt.A_x), slip)
     slip = xp.where(par.mu_s < math.inf, slip, 1.0)
     stick = xp.where(sliding, q.slip * y[3], 1.0)
     lift = xp.where(rotates, N_stick, xp.where(q.mode == SLIDE_ROTATION, N_slide, 1.0))

@@ -23,6 +23,7 @@ from rocking.hybrid import (
     SLIDE,
     SLIDE_ROTATION,
     TRANSLATION_JUMP,
+    WITHIN,
     Base,
     Discrete,
 )
@@ -36,7 +37,6 @@ from rocking.method2_equations import (
     STICK,
     TIP,
     TWO_CORNER,
-    WITHIN,
     Felt,
     Stance,
     Turning,
@@ -105,7 +105,8 @@ def upright(xp: Any, u: Any, felt: Felt, par: Any, gave_way: Any, tipped: Any, t
     over_right, over_left = standing_margins(A_x, felt, par, right, left)
     side = xp.where(over_right == over_left, slip, xp.where(over_right < over_left, 1.0, -1.0))
     margin = xp.minimum(over_right, over_left) + par.hold
-    friction_holds = (par.mu_s == math.inf) | (xp.abs(A_x) <= par.mu_s * A_z)
+    friction_holds = (par.mu_s == math.inf) | (xp.abs(A_x) <= (1.0 + WITHIN) * par.mu_s * A_z)
+    margin = margin + WITHIN * par.a * A_z
     stands = still & (gave_way == 0.0) & friction_holds & (margin >= 0.0)
     tips = still & ((tipped > 0.0) | (margin < 0.0))
     at = on_arm(xp, 0.0, 0.0, side, side * par.a - par.o, -par.H, felt, par, turning)

@@ -16,6 +16,14 @@ def real(value: Any) -> float:
         return math.nan
 
 
+def as_floats(thing: Any, *names: str) -> None:
+    """Keep these numbers of a frozen dataclass as Python's: one of 32 bits would have all that follows in 32 bits."""
+    for name in names:
+        value = getattr(thing, name)
+        if value is not None and type(value) not in (float, int):
+            object.__setattr__(thing, name, float(value))
+
+
 def positive(name: str, value: float, unit: str) -> None:
     """Raise ValueError unless `value` is a positive finite number."""
     if not (math.isfinite(real(value)) and value > 0.0):

@@ -1,13 +1,14 @@
 """The block: its geometry, its mass and the constants of rocking."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rocking import G_STANDARD, WOOD_DENSITY, Block
+from rocking import G_STANDARD, WOOD_DENSITY, Block, Method1, Method2
 
 SIZES = st.floats(0.01, 20.0)
 
@@ -82,3 +83,22 @@ def test_block_4_of_the_paper_weighs_one_point_four_kilograms() -> None:
 def test_a_block_cannot_be_changed() -> None:
     with pytest.raises(AttributeError):
         Block(b=0.2, h=0.8).b = 0.3  # type: ignore[misc]
+
+
+# 2 ** -24 is the rounding of 32 bits; what is computed in them is that far off.
+def test_a_size_of_32_bits_is_taken_as_the_number_that_it_is_and_computed_with_in_64() -> None:
+    short, full = Block(np.float32(0.3), np.float32(0.7)), Block(float(np.float32(0.3)), float(np.float32(0.7)))
+    assert short == full and repr(short) == repr(full)
+    for name in ("mass", "R", "alpha", "I_c", "I_O", "housner_restitution"):
+        assert type(getattr(short, name)) is float
+        assert getattr(short, name) == getattr(full, name)
+    assert short.p(9.81) == full.p(9.81)
+
+
+@pytest.mark.parametrize("method", [Method1, Method2])
+def test_coefficients_of_32_bits_leave_the_parameters_in_64(method: Any) -> None:
+    given = {"g": 9.81, "rest_speed": 1e-5} | ({"restitution": 0.9} if method is Method1 else {"friction": 0.3})
+    short = {name: np.float32(value) for name, value in given.items()}
+    system = method(Block(0.2, 0.8), **short)
+    assert system.parameters == method(Block(0.2, 0.8), **{k: float(v) for k, v in short.items()}).parameters
+    assert {type(value) for value in system.parameters} == {float}
