@@ -11,6 +11,7 @@ Status   linear interpolation changes forced responses noticeably at usual sampl
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -197,12 +198,14 @@ class SampledMotion(_Sampled):
     ) -> SampledMotion:
         """Samples of other motions from `start` to `end` [s]: `horizontal` along x, `vertical`'s a_x along z.
 
+        Where the steps do not end at `end`, the last sample is the first one beyond it.
         Without `vertical`, the vertical acceleration and the pitch are those of `horizontal`.  A jump of the motion is
         smoothed over a step.  Raises ValueError if the step or the span is not positive.
         """
         positive("time_step", time_step, "s")
         positive("end - start", end - start, "s")
-        t = start + time_step * np.arange(max(2, round((end - start) / time_step) + 1))
+        steps = math.ceil((end - start) / time_step - ROUNDING)
+        t = start + time_step * np.arange(max(2, steps + 1))
         a_x, a_z = horizontal(t)
         pitch, _ = horizontal.pitch(t)
         if vertical is not None:

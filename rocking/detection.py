@@ -12,8 +12,10 @@ swings once it rocks, and on its side no gravity any more but the base's horizon
 Source   Winkler, Meguro & Yamazaki (1995), "Shaking table experiments", Figs 2 and 3: both moments were read off the
          vertical records, as the pickups turn with the block.  They give no rule; these two are stated here.  Hinkley
          (1970), Inference about the change-point in a sequence of random variables, Biometrika 57, 1-17.
-Status   a start is found late, never early but for a false alarm: first swings drown in the noise.  On bases that grow
-         by 12 m/s^2 in 90 s, by 0.01 to 0.2 s with 0.01 m/s^2 of noise, up to 0.9 s with 0.05, up to 2 s with 0.2.
+Status   a start is found late, since first swings drown in the noise, and early by a window of averaging at most, but
+         for a false alarm: the mean over a window is that of its middle, and the start is sought back from the reading
+         that counts to where it left the noise.  On bases that grow by 12 m/s^2 in 90 s it is late by 0.01 to 0.2 s
+         with 0.01 m/s^2 of noise, up to 0.9 s with 0.05, up to 2 s with 0.2.
          A fall is found 0.1/p to 3.3/p after the passage of theta_c (median 1.5/p) and before the block lies: near the
          balance the vertical record shows little.  Simulated pickups, see tests/rocking/test_detection.py.
 """
@@ -47,7 +49,7 @@ class Onset:
     level: float  # reading of the standing block [m/s^2]
     noise: float  # standard deviation of the averaged reading of the standing block [m/s^2]
     threshold: float  # departure from the level that counts [m/s^2]
-    departure: float  # largest departure in the second after `time` [m/s^2]; NaN if there is none
+    departure: float  # largest departure in the second from `time` on [m/s^2]; NaN if there is none
     shares: Array  # what the pickup catches of each reference [1], shape (reference,)
 
     @property
@@ -63,7 +65,7 @@ class Fall:
     time: float  # from when on the reading has lost g [s]; NaN if it has not
     upright_until: float  # last time before it with a reading of the standing block or more [s]; NaN if none
     evidence: float  # sum of the bounded ratios from `time` on [m/s]: time without gravity times g/2
-    side: int  # +1 or -1: the side it lies on, if a_x is given and the record goes on after the fall; 0 without a_x
+    side: int  # +1 or -1: the side it lies on, by an a_x that goes on after the fall; 0 if both sides fit alike
 
     @property
     def found(self) -> bool:
@@ -168,9 +170,9 @@ def detect_onset(
     first = _first_of_several(times, np.abs(averaged) > threshold, count, apart, within)
     if first is None:
         return Onset(math.nan, level, noise, threshold, math.nan, shares)
-    soon = np.abs(averaged[first : first + max(1, round(1.0 / step))])
     while first > 0 and abs(averaged[first - 1]) > max(noise, 0.1 * threshold):
         first -= 1
+    soon = np.abs(averaged[first : first + max(1, round(1.0 / step))])
     return Onset(float(times[first]), level, noise, threshold, float(soon.max()), shares)
 
 
@@ -239,6 +241,8 @@ def detect_overturning(
         i = int(np.argmax(sums))
         found.append((float(sums[i]), i, side))
     best, i, side = max(found)
+    if len(found) == 2 and found[0][0] == found[1][0]:
+        side = 0  # a base at rest from the fall on, say
     if best < evidence:
         return Fall(math.nan, math.nan, best, 0)
     upright = np.flatnonzero(_averaged(values, max(1, round(window / step)))[:i] >= level)

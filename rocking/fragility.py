@@ -133,6 +133,8 @@ def fragility(
     if values.ndim != 1 or not np.all(values > 0.0):
         raise ValueError(f"limits={limits!r}: want positive numbers of shape (limit,)")
     check_share("confidence", confidence)
+    # A dataset keeps its names, and may have its dimensions in any order.
+    runs = runs.transpose("scale", "record", missing_dims="ignore")
     im, count = runs.intensity.values, runs.sizes["record"]
     labels = np.broadcast_to(np.arange(count), im.shape)
     fell = runs.overturned.values

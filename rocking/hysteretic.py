@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from rocking.composed import ComposedMethod1, OnRigidBlock, added, balance, guards_with, jump_with, moment
@@ -87,6 +88,7 @@ class HystereticBlock(OnRigidBlock):
 
     name = "method1"
     state_names = ("theta", "omega", "strain")
+    state_labels = MappingProxyType({"strain": ("rad", "rotation by which the spring is strained")})
     guard_names = ("fall", "impact", "tip_right", "tip_left")
     carries_pitch = True
     inadmissible_reason = ""

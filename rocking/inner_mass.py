@@ -21,6 +21,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from rocking.composed import ComposedMethod1, OnRigidBlock, added, balance, guards_with, jump_with, moment
@@ -118,6 +119,12 @@ class BlockWithInnerMass(OnRigidBlock):
 
     name = "method1"
     state_names = ("theta", "omega", "shift", "velocity")
+    state_labels = MappingProxyType(
+        {
+            "shift": ("m", "position of the mass in the block, along its base from the middle"),
+            "velocity": ("m s-1", "velocity of the mass along the base of the block, over that of the corner"),
+        }
+    )
     guard_names = ("fall", "impact", "tip_right", "tip_left")
     carries_pitch = True
     inadmissible_reason = ""

@@ -29,6 +29,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from rocking.composed import ComposedMethod1, OnRigidBlock, added
@@ -210,6 +211,14 @@ class BlockOnSoftFloor(OnRigidBlock):
 
     name = "soft_floor"
     state_names = ("x", "z", "theta", "u", "v", "omega", "foot_right", "foot_left")
+    state_labels = MappingProxyType(
+        {
+            "x": ("m", "position of the centre of mass relative to the base"),
+            "z": ("m", "height of the centre of mass over the unloaded floor"),
+            "u": ("m s-1", "horizontal velocity of the centre of mass relative to the base"),
+            "v": ("m s-1", "vertical velocity of the centre of mass relative to the base"),
+        }
+    )
     # "contact" is the right foot's, "landing" the left foot's.
     guard_names = ("fall", "contact", "landing", "right_lifts", "left_lifts")
     carries_pitch = True

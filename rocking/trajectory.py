@@ -30,7 +30,11 @@ UNITS = {
     "omega": "rad s-1",
     "foot_right": "m",
     "foot_left": "m",
+    "impacts": "1",
+    "pause": "s",
+    "use": "(rad s-1)^worn_exponent",
 }
+"""Units of the states that systems share by name; a system says in `state_labels` what it means otherwise."""
 
 LONG_NAMES = {
     "x": "position of the carrying corner relative to the base",
@@ -41,6 +45,9 @@ LONG_NAMES = {
     "omega": "angular velocity",
     "foot_right": "where the right foot touched the floor",
     "foot_left": "where the left foot touched the floor",
+    "impacts": "impacts that the block remembers",
+    "pause": "time since the last of them",
+    "use": "use of the block, of which it is worn",
 }
 
 
@@ -114,8 +121,12 @@ class Trajectory:
             return ""
         return html_of(self.t, self.theta, f"rotation, up to {self.peak_rotation:.4g} rad; {repr(self)[1:-1]}")
 
+    @property
+    def _names(self) -> tuple[str, ...]:
+        return tuple(self.system.state_names)
+
     def _state(self, name: str) -> NDArray[np.float64]:
-        return np.asarray(self.y[:, self.system.state_names.index(name)])
+        return np.asarray(self.y[:, self._names.index(name)])
 
     @property
     def theta(self) -> NDArray[np.float64]:
@@ -179,9 +190,11 @@ class Trajectory:
         """States over `time` and events over `event`, with units."""
         import xarray as xr
 
+        own = getattr(self.system, "state_labels", {})
+        labels = {name: own.get(name) or (UNITS.get(name, "1"), LONG_NAMES.get(name, name)) for name in self._names}
         states = {
-            name: ("time", self.y[:, i], {"units": UNITS.get(name, "1"), "long_name": LONG_NAMES.get(name, name)})
-            for i, name in enumerate(self.system.state_names)
+            name: ("time", self.y[:, i], dict(zip(("units", "long_name"), labels[name], strict=True)))
+            for i, name in enumerate(self._names)
         }
         modes = {"flag_values": np.arange(len(Mode)), "flag_meanings": " ".join(m.name.lower() for m in Mode)}
         guards = ["balance", *self.system.guard_names]

@@ -171,3 +171,10 @@ def test_a_combined_motion_is_its_two_parts():
     assert motion.breakpoints == (0.0, 0.5, 0.9, 2.0)
     # One kernel for one pair of kinds: a compiling solver compiles it once.
     assert Combined(x, OneSinePulse(1.0, 0.7)).kernel is motion.kernel
+
+
+@pytest.mark.parametrize(("time_step", "last"), [(0.4, 1.2), (0.6, 1.2), (0.1, 1.0), (0.25, 1.0), (2.0, 2.0)])
+def test_samples_of_a_motion_reach_to_its_end_in_whole_steps(time_step: float, last: float) -> None:
+    motion = SampledMotion.of(RampedSinusoid(2.0, 2.0, 5.0), time_step=time_step, end=1.0)
+    assert motion.end == pytest.approx(last, abs=1e-12)
+    assert motion.times[-2] < 1.0

@@ -230,3 +230,28 @@ T = np.arange(0.0, 10.0, 0.01)
 def test_bad_argument_is_named(call, message):
     with pytest.raises(ValueError, match=message):
         call()
+
+
+# A step of 0.5 m/s^2 in a record without noise: the mean over 11 samples about a reading knows of it 5 samples before.
+def test_a_start_is_early_by_half_a_window_and_no_more_where_there_is_no_noise():
+    t = np.arange(0.0, 20.0, 0.001)
+    found = detect_onset(t, G + np.where(t >= 12.0, 0.5, 0.0), window=0.011)
+    assert found.time == pytest.approx(12.0 - 0.005, abs=1e-9)
+
+
+# The reading leaves the level at 12 s and counts from 12.98 s on (a threshold of 0.01 m/s^2): the knock at 13.5 s is
+# not within the second that begins where it is 0.001 m/s^2, of which the rise, 0.01 m/s^2 in 0.98 s, is the largest.
+def test_the_departure_is_that_of_the_second_from_the_start_on():
+    t = np.arange(0.0, 20.0, 0.01)
+    reading = G + np.maximum(t - 12.0, 0.0) * 0.01 / 0.98 + np.where(np.abs(t - 13.5) < 0.05, 3.0, 0.0)
+    found = detect_onset(t, reading, window=0.01, resolution=0.01)
+    assert 12.0 < found.time < 12.2
+    assert found.departure == pytest.approx((found.time + 0.99 - 12.0) * 0.01 / 0.98, abs=1e-9)
+
+
+# The pickup of a block that lies reads the same on either side of a base at rest.
+def test_a_fall_on_a_base_at_rest_tells_no_side():
+    t = np.arange(0.0, 20.0, 0.01)
+    found = detect_overturning(t, np.where(t < 15.0, G, 0.0), a_x=np.zeros_like(t))
+    assert found.time == pytest.approx(15.0, abs=0.011)
+    assert found.side == 0

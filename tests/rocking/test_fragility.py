@@ -215,6 +215,14 @@ def test_the_dataset_says_what_it_holds_and_survives_a_file(runs, tmp_path):
         xr.testing.assert_allclose(again.drop_vars("reason"), ds.drop_vars("reason"))
 
 
+@pytest.mark.parametrize("names", [("overturned", "relative_rotation", "intensity"), ("intensity",)])
+def test_the_order_of_the_dimensions_says_nothing(runs, names):
+    import xarray as xr
+
+    turned = runs.assign({name: runs[name].transpose("record", "scale") for name in names})
+    xr.testing.assert_identical(fragility(turned, limits=[0.5]), fragility(runs, limits=[0.5]))
+
+
 def test_the_fit_describes_the_fractions_of_the_blocks(runs):
     ds = fragility(runs)
     fit = fit_lognormal(runs.intensity.values.ravel(), runs.overturned.values.ravel())

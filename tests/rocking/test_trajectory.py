@@ -8,6 +8,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from rocking import Block, Method1, Method2, Mode, Outcome, solve
+from rocking.effects.compliant_base import CompliantBase
+from rocking.effects.learned_hysteresis import LearnedHysteresis
+from rocking.effects.learned_memory import LearnedMemory
+from rocking.effects.learned_mode import LearnedMode
 
 G = 9.81
 ALPHA = math.atan(0.25)
@@ -165,3 +169,56 @@ def test_the_dataset_has_units_and_names_on_every_variable(slender: Block, metho
     assert dataset["theta"].sel(time=slice(0.0, 1.0)).size == 501
     assert dataset.attrs["outcome"] == "still moving"
     assert "0.2" in dataset.attrs["system"]
+
+
+GIVES = [
+    (LearnedMode(mass_ratio=0.1, frequency=5.0), {"shift": "m", "velocity": "m s-1"}),
+    (LearnedHysteresis(stiffness=1.0, width=0.01), {"strain": "rad"}),
+    (LearnedMemory(first=0.05), {"impacts": "1", "pause": "s", "use": "(rad s-1)^worn_exponent"}),
+]
+
+
+@pytest.mark.parametrize(("effect", "units"), GIVES, ids=["mode", "hysteresis", "memory"])
+def test_states_that_an_effect_brings_along_have_their_units_and_names(
+    slender: Block, effect: Any, units: dict[str, str]
+) -> None:
+    dataset = solve(Method1(slender, g=G), theta=0.1, t_end=0.2, effects=[effect]).to_xarray()
+    for name, unit in units.items():
+        assert dataset[name].attrs["units"] == unit
+        assert " " in dataset[name].attrs["long_name"]
+
+
+# The centre of mass of an upright block is h/2 = 0.4 m over the floor, its carrying corner 0 m.
+def test_the_states_of_a_block_on_springs_are_told_to_be_those_of_its_centre_of_mass(slender: Block) -> None:
+    soft = CompliantBase(corner_stiffness=1e7, damping_ratio=0.1)
+    for given, height, point in (((soft,), 0.4, "centre of mass"), ((), 0.0, "carrying corner")):
+        system: Any = Method1(slender, g=G) if given else Method2(slender, friction=0.6, g=G)
+        dataset = solve(system, t_end=0.1, effects=given).to_xarray()
+        assert float(dataset["z"][0]) == pytest.approx(height, abs=1e-3)
+        assert all(point in dataset[name].attrs["long_name"] for name in "xzuv")
+        assert [dataset[name].attrs["units"] for name in "xzuv"] == ["m", "m", "m s-1", "m s-1"]
+
+
+def lost_at(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
+    """A sine that is no number any more from par[0] on."""
+    return xp.where(t > par[0], math.nan, 3.0 * xp.sin(5.0 * t)), 0.0 * t
+
+
+class Lost:
+    """A motion whose formula has a hole within a smooth stretch."""
+
+    kernel = staticmethod(lost_at)
+    parameters = np.array([0.3])
+    breakpoints: tuple[float, ...] = ()
+    max_step = 0.05
+
+
+@pytest.mark.parametrize("solver", ["numba", "scipy", "diffrax"])
+@pytest.mark.parametrize("theta", [0.0, 0.1])
+def test_a_motion_that_ceases_to_be_finite_is_not_taken_for_a_matter_of_tolerance(
+    slender: Block, solver: str, theta: float
+) -> None:
+    run = solve(Method1(slender, g=G), Lost(), theta=theta, t_end=1.0, solver=solver)
+    assert run.outcome is Outcome.FAILED
+    assert "not finite" in run.reason
+    assert run.t_end == pytest.approx(0.3, abs=1e-12)
