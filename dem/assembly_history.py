@@ -163,7 +163,7 @@ _MOTION = {
     "x": ("m", "centroid to the right of the origin, in the frame of the table"),
     "z": ("m", "centroid above the floor, in the frame of the table"),
     "theta": ("rad", "rotation since the start, relative to the table, clockwise"),
-    "vx": ("m/s", "velocity to the right, relative to the table"),
-    "vz": ("m/s", "velocity upwards, relative to the table"),
-    "omega": ("rad/s", "angular velocity, relative to the table, clockwise"),
+    "vx": ("m s-1", "velocity to the right, relative to the table"),
+    "vz": ("m s-1", "velocity upwards, relative to the table"),
+    "omega": ("rad s-1", "angular velocity, relative to the table, clockwise"),
 }

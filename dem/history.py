@@ -167,5 +167,5 @@ _MOTION = {
     "x": ("m", "centroid to the right of the middle of the base"),
     "z": ("m", "centroid above the floor"),
     "theta": ("rad", "rotation, clockwise"),
-    "omega": ("rad/s", "angular velocity, clockwise"),
+    "omega": ("rad s-1", "angular velocity, clockwise"),
 }

@@ -34,8 +34,8 @@ def outline_variables(bodies: Sequence[FloatArray], walls: Sequence[FloatArray] 
 def base_variables(a_x: FloatArray, a_z: FloatArray, pitch: FloatArray | None = None) -> dict[str, Any]:
     """Motion of the base at the samples: `base_ax`, `base_az` [m/s^2] and, where it pitches, `base_pitch` [rad]."""
     variables: dict[str, Any] = {
-        "base_ax": ("time", a_x, {"units": "m/s^2", "long_name": "acceleration of the base to the right"}),
-        "base_az": ("time", a_z, {"units": "m/s^2", "long_name": "acceleration of the base upwards"}),
+        "base_ax": ("time", a_x, {"units": "m s-2", "long_name": "acceleration of the base to the right"}),
+        "base_az": ("time", a_z, {"units": "m s-2", "long_name": "acceleration of the base upwards"}),
     }
     if pitch is not None and pitch.any():
         variables["base_pitch"] = ("time", pitch, {"units": "rad", "long_name": "pitch of the base, clockwise"})

@@ -19,7 +19,7 @@ from dem.interrupts import uninterrupted
 from dem.scenes import Scene
 from dem.shapes import FloatArray
 from dem.stability import critical_step
-from dem.table_motion import Motion, accelerations
+from dem.table_motion import Motion, accelerations, pitches, refuse_pitch
 
 CHUNK = 50_000  # steps between looks at the base motion and calls of `progress`
 MOST_STEPS = 1e12  # months of computing
@@ -65,7 +65,7 @@ def simulate(
     """Simulate `scene` on a base that moves with `motion`, until it falls (|theta| reaches pi/2) or t_end.
 
     motion: called with times [s], float64, shape (step,); returns (a_x, a_z) of the base [m/s^2], each of that
-        shape; None is a base at rest
+        shape; None is a base at rest. It must not pitch: `dem.simulate_assembly` carries a base that does
     t_end, dt: duration and step [s]; the run ends with the first step at or after t_end
     mu: friction coefficient, 0 to math.inf
     damping: dashpot of a corner c, normal and shear [N s/m]; or instead damping_ratio = c/(2 sqrt(kn m))
@@ -80,8 +80,8 @@ def simulate(
     g: gravity [m/s^2]; save_every: steps between samples (default: about 2,000 samples in all)
     progress: called with the time reached [s] after each chunk of 50,000 steps
 
-    Raises ValueError for a bad argument, for a motion of wrong shape or not finite, and for dt at or above the
-    body's critical step (`dem.critical_step`).
+    Raises ValueError for a bad argument, for a motion that has the wrong shape, is not finite or pitches, and for dt
+    at or above the body's critical step (`dem.critical_step`).
     """
     checks.kind("scene", scene, Scene, "a Scene, as single_block(b, h, d, density) makes it")
     mass = scene.mass
@@ -104,6 +104,10 @@ def simulate(
     if save_every is None:
         save_every = max(1, last_step // SAMPLES)
     save_every = checks.whole("save_every", save_every, 1)
+    # One that says of itself that it has no pitch, as those of `excitation` do, need not be asked at every step.
+    if pitches(motion) and getattr(motion, "has_pitch", True):
+        for first in range(0, last_step + 1, CHUNK):
+            refuse_pitch(motion, _times(first, last_step, dt))
     start = _Start(x0, _initial_height(scene, theta0, gap0, kn, g), theta0, vx0, vz0, omega0)
     settings: dict[str, float | str] = {
         "dt": dt, "t_end": t_end, "kn": kn, "ks": ks, "damping": c, "damping_ratio": c / (2.0 * math.sqrt(kn * mass)),
@@ -158,8 +162,7 @@ class _Run:
     def _base(self, motion: Motion | None) -> Iterator[tuple[FloatArray, FloatArray]]:
         """Base accelerations chunk by chunk."""
         for first in range(0, self.last_step + 1, CHUNK):
-            times = np.arange(first, min(first + CHUNK, self.last_step + 1), dtype=np.float64) * self.dt
-            yield accelerations(motion, times)
+            yield accelerations(motion, _times(first, self.last_step, self.dt))
 
     def _history(self, ending: int, motion: Motion | None) -> History:
         step, state = self.step, self.state
@@ -201,6 +204,11 @@ class _Run:
             return Outcome.MOVING
         right, left = self.scene.shape.theta_c
         return Outcome.AT_REST if -left < theta < right else Outcome.OVERTURNED
+
+
+def _times(first: int, last: int, dt: float) -> FloatArray:
+    """Times [s] of a chunk of steps from the first on."""
+    return np.arange(first, min(first + CHUNK, last + 1), dtype=np.float64) * dt
 
 
 def _compiled_modules() -> tuple[ModuleType, ModuleType]:

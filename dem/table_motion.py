@@ -43,6 +43,17 @@ def pitch_angle(motion: Motion | None, times: FloatArray) -> FloatArray:
     return angle
 
 
+def refuse_pitch(motion: Motion | None, times: FloatArray) -> None:
+    """ValueError where the motion pitches the table at one of these times [s]."""
+    angle = pitch_angle(motion, times)
+    if angle.any():
+        first = int(np.flatnonzero(angle)[0])
+        raise ValueError(
+            f"motion={motion!r}: pitches by {angle[first]:.3g} rad at t={times[first]:.6g} s, which a single body does "
+            "not feel; want one that does not pitch, or simulate_assembly, which carries it"
+        )
+
+
 def frame_at(motion: Motion | None, times: FloatArray, dt: float, g: float) -> Frame:
     """The frame at these times [s]; dt: step [s], g: gravity [m/s^2].
 

@@ -20,8 +20,11 @@ from numpy.typing import ArrayLike
 from studies.running.command_line import DEFAULT_OUT
 from studies.running.files import load_dataset
 
-PLAIN = {"m s-2": "m/s²", "m s-1": "m/s", "rad s-1": "rad/s", "kg m2": "kg m²", "N m-1": "N/m", "1": "–"}
-"""Units as CF writes them, and as a figure should."""
+PLAIN = {
+    "m s-2": "m/s²", "m s-1": "m/s", "rad s-1": "rad/s", "kg m2": "kg m²", "N m-1": "N/m", "1": "–",
+    "m/s^2": "m/s²",
+}  # fmt: skip
+"""Units as CF writes them, the last as earlier runs of distinct elements have it, and as a figure should."""
 
 
 def open(file: str | Path, *, cf_units: bool = False) -> xr.Dataset:

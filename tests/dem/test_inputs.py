@@ -69,6 +69,26 @@ def test_bad_motion_is_refused_with_what_was_wanted(block, motion, message):
         dem.simulate(block(3), motion, **GOOD)
 
 
+class Table:
+    """A base that stands still but for a pitch [rad] from 5 ms on."""
+
+    def __init__(self, pitch):
+        self.angle = pitch
+
+    def __call__(self, t):
+        return np.zeros_like(t), np.zeros_like(t)
+
+    def pitch(self, t):
+        return np.where(t > 5e-3, self.angle, 0.0), np.zeros_like(t)
+
+
+def test_a_base_that_pitches_is_refused_where_it_would_not_be_felt(block):
+    with pytest.raises(ValueError, match=r"pitches by 0\.001 rad at t=0\.00501 s.*; want one that does not pitch, or"):
+        dem.simulate(block(3), Table(1e-3), **GOOD)
+    level, still = (dem.simulate(block(3), motion, **GOOD) for motion in (Table(0.0), None))
+    np.testing.assert_array_equal(level.z, still.z)
+
+
 def test_damping_and_damping_ratio_say_the_same(block):
     scene = block(3)
     c = 2.0 * 0.1 * math.sqrt(1.98e7 * scene.mass)
