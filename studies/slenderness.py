@@ -17,10 +17,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from rocking import solve
+from rocking import Outcome, solve
 from studies.claims.bounds import CLAIMS
 from studies.criteria.columns import G
 from studies.criteria.overturning import METHOD_LABELS, Settings, system_of
+from studies.criteria.rocking_onset import rocking_start
 from studies.running.command_line import positive
 from studies.running.files import BadInputError
 from studies.running.labelled import block_axis, frequency_axis, gathered, names_axis
@@ -56,19 +57,27 @@ class Job:
 
 
 def _times(job: Job) -> dict[str, Any]:
-    """Start of rocking and overturning [s] of one run."""
+    """Start of rocking and overturning [s] of one run; whether it failed."""
     settings = job.settings
     run = solve(
         system_of(job.method, specimen(job.block), settings), settings.motion(job.frequency), t_end=settings.duration,
         rtol=settings.rtol, atol=settings.atol, save_at=(),
     )  # fmt: skip
-    return {"onset_time": run.onset_time, "overturning_time": run.overturning_time}
+    failed = run.outcome is Outcome.FAILED
+    return {"onset_time": rocking_start(run), "overturning_time": run.overturning_time, "failed": failed}
 
 
 def dataset(plan: Plan, parts: Parts) -> xr.Dataset:
-    """Times over (method, block, frequency)."""
-    points = product(METHODS, BLOCKS, plan.frequencies)
-    results = parts.results([Job(*point, plan.settings) for point in points], _times, "slenderness")
+    """Times over (method, block, frequency).
+
+    Raises:
+        RuntimeError: a run failed, of which nobody can say whether its block stands.
+    """
+    jobs = [Job(*point, plan.settings) for point in product(METHODS, BLOCKS, plan.frequencies)]
+    results = parts.results(jobs, _times, "slenderness")
+    failed = sum(result["failed"] for result in results)
+    if failed:
+        raise RuntimeError(f"{failed} runs failed; want none")
     labels = {"onset_time": ("s", "start of rocking"), "overturning_time": ("s", "time of overturning")}
     shape = (len(METHODS), len(BLOCKS), len(plan.frequencies))
     ds = xr.Dataset(gathered(results, ("method", "block", "frequency"), shape, labels))

@@ -1,8 +1,9 @@
 """When one block begins to rock on a table that shakes harder and harder, by each of the three methods.
 
-Two accelerations of the base are read.  At lift-off: |a_x| when the block leaves rest (Methods 1 and 2, for which
-eq. (1) is put in, not found) or when a corner of the distinct element first loses the floor.  When motion follows: the
-largest |a_x| met until a corner is 0.05 mm off the floor, which no method puts in.
+Two accelerations of the base are read.  At lift-off: |a_x| when the block begins to turn (Methods 1 and 2, for which
+eq. (1) is put in, not found; a block that slides has not lifted off) or when a corner of the distinct element first
+loses the floor.  When motion follows: the largest |a_x| met until a corner is 0.05 mm off the floor, which no method
+puts in.
 
 Source   Winkler, Meguro & Yamazaki (1995), "Criteria of rocking for single blocks", Figs 14 and 15
 Status   against closed integration of the first swing (tests)
@@ -19,8 +20,9 @@ from numpy.typing import NDArray
 
 import dem
 from excitation import RampedSinusoid
-from rocking import Method1, Method2, solve
+from rocking import Method1, Method2, Mode, Trajectory, solve
 from rocking.effect import Effect
+from rocking.hybrid import INADMISSIBLE
 from studies.criteria.columns import G, fitted_dashpot
 from studies.criteria.overturning import STIFFNESS
 from studies.specimens import specimen
@@ -69,6 +71,16 @@ class OnsetJob:
         return min(settings.duration, BEYOND_WEST * block.b / block.h * G / settings.ramp * settings.duration)
 
 
+def rocking_start(run: Trajectory) -> float:
+    """Time [s] at which a block that stood or slid first turns or leaves the floor; NaN if it never does.
+
+    `Trajectory.onset_time` is when it leaves rest, which is by sliding where friction is below b/h.
+    """
+    events, standing = run.events, (Mode.REST, Mode.SLIDE)
+    begins = np.isin(events.mode_before, standing) & ~np.isin(events.mode_after, (*standing, INADMISSIBLE))
+    return float(events.t[begins][0]) if begins.any() else math.nan
+
+
 def _analytic(job: OnsetJob) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
     """(times [s], height of the higher corner [m], time of lift-off [s]) by Method 1 or 2."""
     block, settings = specimen(job.block), job.settings
@@ -76,7 +88,7 @@ def _analytic(job: OnsetJob) -> tuple[NDArray[np.float64], NDArray[np.float64], 
     form: Any = "nonlinear" if settings.effects else settings.form
     system: Any = Method1(block, form=form) if job.method == "method1" else Method2(block, friction=settings.friction)
     run = solve(system, settings.motion(job.frequency), t_end=job.t_end, save_at=t, effects=settings.effects)
-    return run.t, block.b * np.sin(np.abs(run.theta)), run.onset_time
+    return run.t, block.b * np.sin(np.abs(run.theta)), rocking_start(run)
 
 
 def _distinct_element(job: OnsetJob) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
@@ -102,13 +114,16 @@ def onset(job: OnsetJob) -> dict[str, Any]:
     except ValueError as refusal:
         missing = dict.fromkeys(("lift_acceleration", "lift_time", "onset_acceleration", "onset_time"), math.nan)
         return missing | {"note": f"declined: {refusal}"}
-    # Distinct elements do not lift at one instant of a sample: the largest |a_x| within it.
-    at_lift = np.abs(base(np.linspace(lift - SAMPLE, lift, 5) if job.method == "dem" else np.array([lift]))[0])
+    lifted = math.nan
+    if not math.isnan(lift):
+        # Distinct elements do not lift at one instant of a sample: the largest |a_x| within it.
+        instants = np.linspace(lift - SAMPLE, lift, 5) if job.method == "dem" else np.array([lift])
+        lifted = float(np.abs(base(instants)[0]).max())
     moved = np.flatnonzero(height > OFF_THE_FLOOR)
     when = float(t[moved[0]]) if moved.size else math.nan
     largest = float(np.abs(base(t[t <= when])[0]).max()) if moved.size else math.nan
     return {
-        "lift_acceleration": float(at_lift.max()) if not math.isnan(lift) else math.nan,
+        "lift_acceleration": lifted,
         "lift_time": lift,
         "onset_acceleration": largest,
         "onset_time": when,

@@ -41,6 +41,7 @@ import numpy as np
 
 import excitation
 from excitation.pulse import CentredPulse, FinitePulse
+from rocking import G_STANDARD
 from studies.criteria.overturning import METHODS
 from studies.running.toml_file import read_toml
 
@@ -74,7 +75,7 @@ MOST_VALUES, MOST_POINTS = 1_000_000, 1_000_000_000
 """Values of an axis, and points of a sweep: a millisecond each, the latter take eleven days."""
 
 RAMP = "ramped_sinusoid"
-RAMP_DEFAULTS = {"duration": 90.0, "final_amplitude": 25.0 * 9.80665}
+RAMP_DEFAULTS = {"duration": 90.0, "final_amplitude": 25.0 * G_STANDARD}
 PULSE_DEFAULTS = {"highest": 100.0, "steps": 40, "bisections": 20, "after": 6.0}
 MOST = {"steps": 10_000, "bisections": 100}
 """Of what the search for a pulse's least amplitude may take."""
@@ -265,7 +266,7 @@ def _excitation(name: str, given: Any) -> dict[str, Any]:
 
 
 def _run_settings(given: Mapping[str, Any]) -> dict[str, Any]:
-    from rocking.solvers import available
+    from rocking.solvers import available, load
 
     for key in given:
         if key not in RUN_DEFAULTS:
@@ -273,6 +274,12 @@ def _run_settings(given: Mapping[str, Any]) -> dict[str, Any]:
     settings: dict[str, Any] = RUN_DEFAULTS | dict(given)
     if not isinstance(settings["solver"], str) or settings["solver"] not in available():
         raise ValueError(f"run.solver={_shown(settings['solver'])}: want one of {', '.join(available())}")
+    try:
+        batch = hasattr(load(settings["solver"]), "solve_batch")
+    except ImportError as error:
+        raise ValueError(f"run.solver={settings['solver']!r}: {error}") from error
+    if not batch:
+        raise ValueError(f"run.solver={settings['solver']!r}: it has no batch; want one that has, as 'numba' does")
     if settings["form"] not in ("linear", "nonlinear"):
         raise ValueError(f"run.form={_shown(settings['form'])}: want 'linear' or 'nonlinear'")
     for key in ("rtol", "atol", "depth"):

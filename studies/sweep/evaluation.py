@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
 from itertools import product
 from typing import Any
@@ -25,10 +25,12 @@ import dem
 import excitation
 from excitation import RampedSinusoid
 from excitation.motion import Motion
-from rocking import WOOD_DENSITY, Block, solve_batch
+from rocking import WOOD_DENSITY, Block, solve, solve_batch
+from rocking.batch import OUTCOMES as OUTCOMES_OF_RUNS
 from studies.criteria.columns import G
 from studies.criteria.free_vibration import fit_dashpot
 from studies.criteria.overturning import STIFFNESS, Settings, system_of
+from studies.criteria.rocking_onset import rocking_start
 from studies.specimens import specimen
 from studies.sweep.declared import RAMP, Sweep, from_mapping
 
@@ -51,15 +53,24 @@ Array = NDArray[np.float64]
 
 @dataclass
 class Found:
-    """Numbers of a chunk, shape (point,) each."""
+    """Numbers of a chunk, shape (point,) each, and why points have none: "" where they could be computed."""
 
     values: dict[str, NDArray[np.float64]]
     outcome: NDArray[np.int8]
+    declined: list[str]
 
     @classmethod
     def nothing(cls, count: int) -> Found:
         """No numbers, standing."""
-        return cls({name: np.full(count, math.nan) for name in VARIABLES}, np.full(count, STANDS, np.int8))
+        return cls(
+            {name: np.full(count, math.nan) for name in VARIABLES}, np.full(count, STANDS, np.int8), [""] * count
+        )
+
+    def without(self, declined: Sequence[str]) -> Found:
+        """The same, but for the points that were declined."""
+        self.declined = list(declined)
+        self.outcome[[bool(reason) for reason in declined]] = DECLINED
+        return self
 
 
 def points_of(sweep: Sweep, where: Sequence[slice]) -> list[Point]:
@@ -105,13 +116,21 @@ def _peak(motion: Motion, until: float) -> float:
 
 @dataclass
 class Ends:
-    """How runs ended, shape (run,) each; declined ones have a sentence."""
+    """How runs ended, shape (run,) each; those that could not be made have a sentence in `declined`."""
 
     fell: NDArray[np.bool_]
     failed: NDArray[np.bool_]
-    overturning_time: NDArray[np.float64]
-    onset_time: NDArray[np.float64]
-    declined: str = ""
+    overturning_time: NDArray[np.float64]  # [s]
+    rocking_time: NDArray[np.float64]  # [s]
+    declined: NDArray[np.object_]
+
+    @classmethod
+    def nothing(cls, count: int, declined: str = "") -> Ends:
+        """Runs of which nothing is known, standing, all declined with one sentence where there is one."""
+        unknown = np.full(count, math.nan)
+        return cls(
+            np.zeros(count, bool), np.zeros(count, bool), unknown, unknown.copy(), np.full(count, declined, object)
+        )  # fmt: skip
 
 
 def _analytic(sweep: Sweep, points: Sequence[Point], amplitudes: Sequence[float]) -> Ends:
@@ -123,7 +142,20 @@ def _analytic(sweep: Sweep, points: Sequence[Point], amplitudes: Sequence[float]
         systems, motions, t_end=max(_span(sweep, p) for p in points), solver=sweep.run["solver"],
         rtol=sweep.run["rtol"], atol=sweep.run["atol"],
     )  # fmt: skip
-    return Ends(done.overturned, done.outcome == 3, done.overturning_time, done.onset_time)
+    ends = Ends.nothing(len(points))
+    ends.fell, ends.failed = done.overturned, done.outcome == OUTCOMES_OF_RUNS.index("failed")
+    ends.overturning_time, ends.rocking_time = done.overturning_time, done.onset_time.copy()
+    # Where friction is no more than b/h a block leaves rest by sliding, and the summary knows no more of when it turns.
+    slid = np.array([p["method"] == "method2" and p["friction"] < 1.001 * p["slenderness"] for p in points])
+    ends.rocking_time[slid] = math.nan
+    for i in np.flatnonzero(slid & (done.peak_rotation > 0.0)).tolist():
+        ends.rocking_time[i] = rocking_start(
+            solve(
+                systems[i], motions[i], t_end=_span(sweep, points[i]), solver=sweep.run["solver"],
+                rtol=sweep.run["rtol"], atol=sweep.run["atol"], save_at=(),
+            )
+        )  # fmt: skip
+    return ends
 
 
 @lru_cache(maxsize=64)
@@ -151,8 +183,7 @@ def dashpot(restitution: float) -> float:
 
 def _distinct_elements(sweep: Sweep, points: Sequence[Point], amplitudes: Sequence[float]) -> Ends:
     """The same runs by distinct elements, one after the other."""
-    count = len(points)
-    ends = Ends(np.zeros(count, bool), np.zeros(count, bool), np.full(count, math.nan), np.full(count, math.nan))
+    ends = Ends.nothing(len(points))
     for i, (point, amplitude) in enumerate(zip(points, amplitudes, strict=True)):
         block = block_of(point, sweep.run["depth"])
         contact = dem.Contact(point["friction"], damping=dashpot(point["restitution"]), kn=STIFFNESS, ks=STIFFNESS)
@@ -164,30 +195,22 @@ def _distinct_elements(sweep: Sweep, points: Sequence[Point], amplitudes: Sequen
         ends.failed[i] = run.ending in (dem.Ending.UNSTABLE, dem.Ending.LEFT)
         ends.fell[i] = bool(run.falls)
         ends.overturning_time[i] = run.overturning_time
-        ends.onset_time[i] = min((s.time for s in run.separations), default=math.nan)
+        ends.rocking_time[i] = min((s.time for s in run.separations), default=math.nan)
     return ends
 
 
 def _run(sweep: Sweep, points: Sequence[Point], amplitudes: Sequence[float]) -> Ends:
-    """Runs of one method; where it declines, none fell."""
-    count = len(points)
+    """Runs of one method; those that it or the solver declines have the sentence."""
     try:
         if points[0]["method"] == "dem":
             return _distinct_elements(sweep, points, amplitudes)
         return _analytic(sweep, points, amplitudes)
     except ValueError as refusal:
-        if count == 1:
-            nothing = np.full(1, math.nan)
-            return Ends(np.zeros(1, bool), np.zeros(1, bool), nothing, nothing.copy(), str(refusal))
+        if len(points) == 1:
+            return Ends.nothing(1, str(refusal))
     # One of them is declined: each by itself, so that the others have their numbers.
     each = [_run(sweep, [p], [a]) for p, a in zip(points, amplitudes, strict=True)]
-    return Ends(
-        np.concatenate([e.fell for e in each]),
-        np.concatenate([e.failed for e in each]),
-        np.concatenate([e.overturning_time for e in each]),
-        np.concatenate([e.onset_time for e in each]),
-        "; ".join(sorted({e.declined for e in each} - {""})),
-    )
+    return Ends(*(np.concatenate([getattr(e, one.name) for e in each]) for one in fields(Ends)))
 
 
 def _declines(sweep: Sweep, point: Point) -> str:
@@ -209,21 +232,29 @@ def _ramps(sweep: Sweep, points: Sequence[Point]) -> Found:
     found = Found.nothing(len(points))
     for i, point in enumerate(points):
         motion: Any = _motion(sweep, point, kind["final_amplitude"])
-        fell, began = ends.overturning_time[i], ends.onset_time[i]
+        fell, began = ends.overturning_time[i], ends.rocking_time[i]
         found.values["overturning_time"][i], found.values["rocking_time"][i] = fell, began
         if ends.fell[i]:
             found.values["overturning_amplitude"][i] = float(motion.envelope(fell))
         if not math.isnan(began):
             found.values["rocking_amplitude"][i] = _peak(motion, began)
     found.outcome[:] = np.where(ends.failed, FAILED, np.where(ends.fell, FELL, STANDS))
-    return found
+    return found.without(ends.declined.tolist())
 
 
 def _least(
-    sweep: Sweep, points: Sequence[Point], ladder: Array, ends: Ends, felt: Callable[[Ends], NDArray[np.bool_]]
-) -> Array:
-    """Least amplitude at which something is felt [m/s^2]: the first of the ladder, and then by bisection."""
-    seen = felt(ends).reshape(ladder.shape)
+    sweep: Sweep, points: Sequence[Point], ladder: Array, seen: NDArray[np.bool_],
+    felt: Callable[[Ends], NDArray[np.bool_]],
+) -> Array:  # fmt: skip
+    """Least amplitude at which something is felt [m/s^2]: the first of the ladder, and then by bisection.
+
+    Args:
+        sweep: the sweep.
+        points: of it, all with one excitation.
+        ladder: amplitudes [m/s^2] that were tried, shape (point, step).
+        seen: whether it was felt there, of the same shape.
+        felt: whether it is, in other runs.
+    """
     first, rows = seen.argmax(axis=1), np.arange(len(points))
     low, high = ladder[rows, np.maximum(first - 1, 0)], ladder[rows, first]
     for _ in range(int(sweep.excitations[points[0]["excitation"]]["bisections"])):
@@ -239,12 +270,22 @@ def _pulses(sweep: Sweep, points: Sequence[Point]) -> Found:
     west = np.array([0.999 * point["slenderness"] * G for point in points])
     ladder = west[:, None] * np.maximum(kind["highest"] / west, 1.0)[:, None] ** (np.arange(steps + 1) / steps)
     ends = _run(sweep, [point for point in points for _ in range(steps + 1)], ladder.ravel().tolist())
-    fells = _least(sweep, points, ladder, ends, lambda e: e.fell)
+    declined = [next(filter(None, row), "") for row in ends.declined.reshape(ladder.shape)]
+    able = np.array([not reason for reason in declined])
+    kept = [point for point, one in zip(points, able, strict=True) if one]
+
+    def least(felt: Callable[[Ends], NDArray[np.bool_]]) -> Array:
+        values = np.full(len(points), math.nan)
+        if kept:
+            values[able] = _least(sweep, kept, ladder[able], felt(ends).reshape(ladder.shape)[able], felt)
+        return values
+
+    fells = least(lambda e: e.fell)
     found.values["overturning_amplitude"] = fells
-    found.values["rocking_amplitude"] = _least(sweep, points, ladder, ends, lambda e: ~np.isnan(e.onset_time))
+    found.values["rocking_amplitude"] = least(lambda e: ~np.isnan(e.rocking_time))
     failed = ends.failed.reshape(ladder.shape).any(axis=1)
     found.outcome[:] = np.where(failed, FAILED, np.where(np.isnan(fells), STANDS, FELL))
-    return found
+    return found.without(declined)
 
 
 def evaluate(declared: Mapping[str, Any], where: Sequence[tuple[int, int]]) -> dict[str, Any]:
@@ -282,4 +323,5 @@ def evaluate(declared: Mapping[str, Any], where: Sequence[tuple[int, int]]) -> d
         for name, values in part.values.items():
             found.values[name][members] = values
         found.outcome[members] = part.outcome
+        reasons |= {f"{key[0]}: {reason}" for reason in part.declined if reason}
     return {**found.values, "outcome": found.outcome, "declined": sorted(reasons)}

@@ -134,6 +134,15 @@ def test_the_quiet_part_of_a_column_s_record_ends_before_west_s_level_for_its_wh
     assert end < found["true_time"] < found["time"][-1]
 
 
+def test_a_block_that_slides_has_not_lifted_off():
+    """Coulomb: friction of 0.2 turns no block of b/h 0.3; with 0.7 it lifts off at West's (b/h) g."""
+    settings = OnsetSettings(duration=20.0)
+    slides, rocks = (onset(OnsetJob("method2", 3, 3.0, replace(settings, friction=mu))) for mu in (0.2, 0.7))
+    assert math.isnan(slides["lift_acceleration"]) and math.isnan(slides["lift_time"])
+    assert slides["note"].startswith("no corner is 0.05 mm off the floor")
+    assert rocks["lift_acceleration"] == pytest.approx(0.3 * G, rel=1e-6)
+
+
 def test_a_distinct_element_leaves_the_floor_near_west_and_its_corner_then_rises():
     """Springs give by m g/(2 kn) under the standing block: its corner leaves the floor a little after West's level, and
     is 0.05 mm off it in this half cycle or the next."""

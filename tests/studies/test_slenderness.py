@@ -1,11 +1,16 @@
 """From which frequency a block rocks before it falls (studies.slenderness)."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
+import pytest
 import xarray as xr
 
-from studies.slenderness import from_which
+from rocking import Outcome
+from studies import slenderness
+from studies.running.parts import Parts
+from studies.slenderness import Plan, from_which
 
 
 def test_the_frequency_from_which_all_rock_first_is_the_lowest_above_every_one_that_does_not():
@@ -24,3 +29,29 @@ def test_the_frequency_from_which_all_rock_first_is_the_lowest_above_every_one_t
         {"frequency": frequency, "case": list(lasting)}, {"duration": 10.0},
     )  # fmt: skip
     np.testing.assert_array_equal(from_which(ds), [expected for _, expected in lasting.values()])
+
+
+def _plan(friction):
+    plan = Plan(frequencies=(3.0,))
+    return replace(plan, settings=replace(plan.settings, duration=20.0, friction=friction))
+
+
+def test_a_block_that_slides_does_not_begin_to_rock():
+    """Coulomb: mu g turns no block whose b/h is above mu, under a horizontal motion; 0.25 is below that of three."""
+    ds = slenderness.dataset(_plan(0.25), Parts()).isel(frequency=0)
+    slides = (ds.b / ds.h > 0.25).values
+    assert slides.sum() == 3
+    np.testing.assert_array_equal(np.isnan(ds.onset_time.sel({"method": "method2"})), slides)
+    assert ds.onset_time.sel({"method": "method1"}).notnull().all()
+
+
+def test_a_run_that_fails_is_no_block_that_stands(monkeypatch):
+    real = slenderness.solve
+
+    def failing(system, *args, **kwargs):
+        run = real(system, *args, **kwargs)
+        return replace(run, outcome=Outcome.FAILED) if system.name == "method2" else run
+
+    monkeypatch.setattr(slenderness, "solve", failing)
+    with pytest.raises(RuntimeError, match="4 runs failed; want none"):
+        slenderness.dataset(_plan(0.7), Parts())

@@ -60,6 +60,7 @@ def test_a_sweep_is_made_again_from_its_json():
         (H | {"excitations": {"ramp": {"kind": "ramped_sinusoid", "steps": 3}}}, "excitations.ramp.steps"),
         (H | {"excitations": {"p": {"kind": "OneSinePulse", "steps": 2.5}}}, "want a whole number above 0"),
         ({"axes": {"h": [1.0]}, "run": {"solver": "euler"}}, "run.solver='euler': want one of"),
+        ({"axes": {"h": [1.0]}, "run": {"solver": "scipy"}}, "run.solver='scipy': it has no batch; want one that has"),
         ({"axes": {"h": [1.0]}, "run": {"speed": 1}}, "run.speed: want one of"),
         ({"axes": {"h": [1.0]}, "run": {"rtol": 0}}, "run.rtol=0: want a number above 0"),
         ({"axes": [1]}, r"axes=\[1\]: want a table"),

@@ -18,7 +18,7 @@ from rocking.closed_forms import half_sine_pulse
 from studies.criteria.overturning import Settings, overturning
 from studies.sweep import Sweep, run
 from studies.sweep.chunks import boxes, count_boxes
-from studies.sweep.evaluation import FELL, STANDS
+from studies.sweep.evaluation import DECLINED, FELL, STANDS
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from cf import by_checker, problems
@@ -112,6 +112,47 @@ def test_what_does_not_fall_and_what_is_declined_is_flagged(tmp_path):
         assert ds.outcome.sel({"method": "dem"}).values.tolist() == [2, STANDS]
         assert "dem: restitution=" in json.loads(ds.attrs["declined"])[0]
         assert np.isnan(ds.overturning_amplitude).all()
+
+
+# The exact solver carries linear Method 1 under ramps alone (`rocking.solvers.exact`): what is left must not look like
+# blocks that stand.
+@pytest.mark.parametrize(
+    ("excitation", "outcomes"),
+    [
+        ({"kind": "ramped_sinusoid", "duration": 20.0, "final_amplitude": 20.0}, [FELL, DECLINED]),
+        ({"kind": "OneSinePulse", "highest": 30.0, "steps": 4}, [DECLINED, DECLINED]),
+    ],
+)
+def test_what_a_solver_declines_does_not_stand_and_has_its_sentence(tmp_path, excitation, outcomes):
+    sweep = Sweep(
+        axes={"method": ["method1", "method2"], "frequency": [2.0]}, excitations={"ramp": excitation},
+        run={"solver": "exact"},
+    )  # fmt: skip
+    with run(sweep, tmp_path / "s.nc", progress=False) as ds:
+        assert ds.outcome.values.ravel().tolist() == outcomes
+        reasons = json.loads(ds.attrs["declined"])
+        assert "method2: solver='exact' declines: it carries linear Method 1 alone, not 'method2'" in reasons
+        assert [reason.partition(":")[0] for reason in reasons] == ["method1", "method2"][-outcomes.count(DECLINED) :]
+
+
+# Coulomb: a base that pushes a block horizontally no harder than mu g turns none whose b/h is larger; with more
+# friction than b/h it rocks from (b/h) g = 2.942 m/s^2 on (West's formula).
+@pytest.mark.parametrize(
+    "excitation",
+    [
+        {"kind": "ramped_sinusoid", "duration": 20.0, "final_amplitude": 20.0},
+        {"kind": "OneSinePulse", "highest": 30.0, "steps": 10},
+    ],
+)
+def test_a_block_that_slides_does_not_begin_to_rock(tmp_path, excitation):
+    sweep = Sweep(
+        axes={"friction": [0.2, 0.5]}, fixed={"method": "method2", "frequency": 3.0}, excitations={"ramp": excitation}
+    )
+    with run(sweep, tmp_path / "s.nc", progress=False) as ds:
+        slides, rocks = ds.rocking_amplitude.values
+        assert np.isnan(slides)
+        assert rocks == pytest.approx(0.3 * 9.80665, rel=2e-3)
+        assert np.isnan(ds.rocking_time.values[0])
 
 
 def _command(toml: Path, out: Path) -> list[str]:
