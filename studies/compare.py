@@ -3,7 +3,8 @@
     python -m studies.compare A.nc B.nc [--rtol 1e-9]
 
 Numbers are compared at the coordinates that both have; where two axes of numbers share no value, B is interpolated to
-A's points.  Exit status 0 if nothing moved beyond the tolerance, 1 if something did.
+A's points.  Exit status 0 if nothing moved beyond the tolerance, 1 if something did, if B lacks a variable that A has
+or if nothing could be compared.
 """
 
 from __future__ import annotations
@@ -18,10 +19,13 @@ import numpy as np
 import xarray as xr
 
 from studies.running.command_line import positive, run
-from studies.running.files import load_dataset
+from studies.running.files import DatasetError, load_dataset
 
 PASSING = ("commit", "command", "inputs", "source", "history")
 """Attributes that may differ without anything having moved."""
+
+TELLING = ("units of ", "in A alone: ")
+"""How a line begins that says that something moved or is missing; what B has besides is new."""
 
 
 @dataclass(frozen=True)
@@ -43,22 +47,35 @@ def _number(variable: xr.DataArray) -> bool:
 
 
 def common(a: xr.Dataset, b: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset, list[str]]:
-    """Both datasets at coordinates that both have, and what was done to get there."""
+    """Both datasets at coordinates that both have, and what was done to get there.
+
+    Raises:
+        DatasetError: they have no point in common along an axis, nor one of A within the numbers of B.
+    """
     notes = []
     for dim in sorted(map(str, set(a.dims) & set(b.dims))):
         if dim not in a.coords or dim not in b.coords or a.indexes[dim].equals(b.indexes[dim]):
             continue
         shared = a.indexes[dim].intersection(b.indexes[dim])
-        if len(shared) or not (_number(a[dim]) and _number(b[dim])):
+        numbers = _number(a[dim]) and _number(b[dim])
+        if not (len(shared) or numbers):
+            raise DatasetError(f"{dim}: {_ends(a[dim])} of A and {_ends(b[dim])} of B; want values that both have")
+        if len(shared):
             notes.append(f"{dim}: {len(shared)} values in both of {a.sizes[dim]} and {b.sizes[dim]}")
             a, b = a.sel({dim: shared}), b.sel({dim: shared})
         else:
-            low, high = float(b[dim].min()), float(b[dim].max())
-            a = a.isel({dim: ((a[dim] >= low) & (a[dim] <= high)).values})
+            within = ((a[dim] >= float(b[dim].min())) & (a[dim] <= float(b[dim].max()))).values
+            if not within.any():
+                raise DatasetError(f"{dim}: {_ends(a[dim])} of A and {_ends(b[dim])} of B; want ranges that overlap")
+            a = a.isel({dim: within})
             notes.append(f"{dim}: no value in both; B is interpolated to {a.sizes[dim]} points of A")
-            numbers = [name for name, v in b.data_vars.items() if v.dtype.kind == "f"]
-            b = b[numbers].interp({dim: a[dim]})
+            b = b[[name for name, v in b.data_vars.items() if v.dtype.kind == "f"]].interp({dim: a[dim]})
     return a, b, notes
+
+
+def _ends(axis: xr.DataArray) -> str:
+    """First and last value of an axis."""
+    return f"{axis.values[0]} to {axis.values[-1]}" if axis.size else "no value"
 
 
 def _where(variable: xr.DataArray, index: tuple[Any, ...]) -> str:
@@ -137,7 +154,8 @@ def main(argv: list[str]) -> None:
     pair = [load_dataset(path) for path in (arguments.a, arguments.b)]
     rows, notes = compared(pair[0], pair[1], arguments.rtol)
     print("\n".join([*notes, *map(_line, rows)]))
-    if any(row.moved or row.note for row in rows) or any(n.startswith("units of ") for n in notes) or not rows:
+    moved_or_lost = any(row.moved or row.note for row in rows) or any(n.startswith(TELLING) for n in notes)
+    if moved_or_lost or not any(row.compared for row in rows):
         sys.exit(1)
 
 

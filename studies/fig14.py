@@ -40,13 +40,13 @@ def check(ds: xr.Dataset) -> xr.Dataset:
     lift = onset_figures.departures(ds, "lift_acceleration").sel({"method": "dem"})
     motion = onset_figures.departures(ds, "onset_acceleration")
     a = ds.onset_acceleration
-    spread = (a.max("block") - a.min("block")) / a.mean("block")
-    by_block = {f"Block {int(n)}": float(lift.sel(block=n).max()) for n in ds.block.values}
+    spread = (a.max("block", skipna=False) - a.min("block", skipna=False)) / a.mean("block", skipna=False)
+    by_block = {f"Block {int(n)}": onset_figures.largest(lift.sel(block=n)) for n in ds.block.values}
     return table(
         [
-            Finding(CLAIMS["fig14.lift"], float(lift.max()), listed(by_block)),
-            Finding(CLAIMS["fig14.motion"], float(motion.max()), listed(onset_figures.by_method(motion))),
-            Finding(CLAIMS["fig14.size"], float(spread.max()), listed(onset_figures.by_method(spread))),
+            Finding(CLAIMS["fig14.lift"], onset_figures.largest(lift), listed(by_block)),
+            Finding(CLAIMS["fig14.motion"], onset_figures.largest(motion), listed(onset_figures.by_method(motion))),
+            Finding(CLAIMS["fig14.size"], onset_figures.largest(spread), listed(onset_figures.by_method(spread))),
         ]
     )
 

@@ -10,6 +10,7 @@ Run          python -m studies.fig15 [--quick]  ->  build/studies/fig15.nc, then
 from __future__ import annotations
 
 import argparse
+import math
 from dataclasses import replace
 from itertools import product
 from typing import Any
@@ -24,6 +25,7 @@ from rocking.effects.rounded_edges import RoundedEdges
 from rocking.effects.table_pitch import TablePitch
 from rocking.effects.vertical_motion import VerticalMotion
 from studies.claims.bounds import CLAIMS
+from studies.criteria.columns import G
 from studies.criteria.rocking_onset import OnsetJob, OnsetSettings, onset
 from studies.families import onset as onset_figures
 from studies.families.onset import BLOCK_COLOURS, STYLES, OnsetPlan
@@ -52,7 +54,7 @@ def _disturbed(kind: str, block: int, sign: float, settings: OnsetSettings) -> O
     """The settings with one disturbance, this way or the other."""
     x = specimen(block)
     effects: dict[str, tuple[Effect, ...]] = {
-        "pitch": (TablePitch(per_acceleration=sign * PITCH / (x.b / x.h * 9.80665)),),
+        "pitch": (TablePitch(per_acceleration=sign * PITCH / (x.b / x.h * G)),),
         "tilt": (BaseTilt(angle=sign * TILT),),
         "edges": (RoundedEdges(radius=RADIUS),),
         "vertical": (VerticalMotion(ratio=sign * VERTICAL),),
@@ -145,7 +147,12 @@ def disturbances_figure(ds: xr.Dataset) -> Figure:
 
 
 def _slope(ds: xr.Dataset, curve: xr.DataArray) -> float:
-    """Change along the straight line of best fit from the lowest to the highest frequency, over the mean."""
+    """Change along the straight line of best fit from the lowest to the highest frequency, over the mean.
+
+    NaN where a point of the curve is not known.
+    """
+    if not bool(curve.notnull().all()):
+        return math.nan
     rate = np.polyfit(ds.frequency.values, curve.values, 1)[0]
     return float(rate * (ds.frequency[-1] - ds.frequency[0]) / curve.mean())
 
@@ -161,25 +168,25 @@ def check(ds: xr.Dataset) -> xr.Dataset:
     }
     method2 = a.sel({"method": "method2"})
     apart = {
-        "linear Method 1": float(np.abs(method2 / a.sel({"method": "method1"}) - 1.0).max()),
-        "nonlinear Method 1": float(np.abs(method2 / ds.nonlinear_onset_acceleration - 1.0).max()),
+        "linear Method 1": onset_figures.largest(np.abs(method2 / a.sel({"method": "method1"}) - 1.0)),
+        "nonlinear Method 1": onset_figures.largest(np.abs(method2 / ds.nonlinear_onset_acceleration - 1.0)),
     }
-    change = abs(changes(ds)).max(dim=["way", "frequency"])
+    change = abs(changes(ds)).max(dim=["way", "frequency"], skipna=False)
     felt = {
         kind: float(change.sel(disturbance=kind, block=7) / change.sel(disturbance=kind, block=5))
         for kind in DISTURBANCES
     }
-    at_5_hz = abs(changes(ds)).isel(frequency=-1).max("way").sel(block=3)
-    pitched = ds.disturbed_lift_acceleration.sel(disturbance="pitch", block=3).min("way")
+    at_5_hz = abs(changes(ds)).isel(frequency=-1).max("way", skipna=False).sel(block=3)
+    pitched = ds.disturbed_lift_acceleration.sel(disturbance="pitch", block=3).min("way", skipna=False)
     tenth = {kind: 0.1 / float(at_5_hz.sel(disturbance=kind)) for kind in ("pitch", "edges", "vertical")}
     base = {kind: felt[kind] for kind in ("pitch", "tilt", "edges")}
     return table(
         [
-            Finding(CLAIMS["fig15.motion"], float(motion.max()), listed(onset_figures.by_method(motion))),
-            Finding(CLAIMS["fig15.constant"], max(np.abs(list(slopes.values()))), listed(slopes)),
+            Finding(CLAIMS["fig15.motion"], onset_figures.largest(motion), listed(onset_figures.by_method(motion))),
+            Finding(CLAIMS["fig15.constant"], float(np.max(np.abs(list(slopes.values())))), listed(slopes)),
             Finding(CLAIMS["fig15.methods"], apart["linear Method 1"], listed(apart)),
-            Finding(CLAIMS["fig15.envelope"], float(change.sel(disturbance="envelope").max())),
-            Finding(CLAIMS["fig15.slender_base"], min(base.values()), listed(base)),
+            Finding(CLAIMS["fig15.envelope"], onset_figures.largest(change.sel(disturbance="envelope"))),
+            Finding(CLAIMS["fig15.slender_base"], float(np.min(list(base.values()))), listed(base)),
             Finding(CLAIMS["fig15.slender_vertical"], felt["vertical"]),
             Finding(CLAIMS["fig15.pitch"], tenth["pitch"] * PITCH),
             Finding(CLAIMS["fig15.worn"], tenth["edges"] * RADIUS),

@@ -26,6 +26,7 @@ import numpy as np
 
 from excitation import PiecewiseLinear, Record, read
 from rocking import Block, Method1, solve, solve_batch
+from rocking.batch import OUTCOMES, BatchResult
 from rocking.block import G_STANDARD
 from rocking.closed_forms import ishiyama_velocity, west_acceleration
 from studies.running.command_line import run
@@ -70,13 +71,21 @@ def restitutions(block: Block, restitution: float | None) -> tuple[float, ...]:
     return tuple(dict.fromkeys(min(1.0, share * e) for share in SPREAD))
 
 
+def _none_failed(result: BatchResult) -> BatchResult:
+    """The same; ValueError where a run failed, of which nobody can say whether the block stands."""
+    failed = int(np.sum(result.outcome == OUTCOMES.index("failed")))
+    if failed:
+        raise ValueError(f"{failed} of {len(result)} runs failed before they told whether the block falls; want none")
+    return result
+
+
 def _fell(
     systems: Sequence[Method1], record: Record, factors: np.ndarray, t_end: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """(whether it falls, largest tilt over that of balance), each of shape (system, factor), of a record scaled."""
     motions = [PiecewiseLinear(record.time_step, f * record.acceleration) for f in factors]
     many = [system for system in systems for _ in motions]
-    result = solve_batch(many, motions * len(systems), t_end=t_end, solver="taylor")
+    result = _none_failed(solve_batch(many, motions * len(systems), t_end=t_end, solver="taylor"))
     shape = (len(systems), len(motions))
     tilt = result.peak_rotation / systems[0].theta_c
     return np.reshape(result.overturned, shape), np.reshape(tilt, shape)
@@ -91,7 +100,7 @@ def answer(block: Block, record: Record, restitution: float | None = None) -> An
         restitution: angular velocity after / before an impact [1], in place of Housner's.
 
     Raises:
-        ValueError: the restitution is out of range, or the record is all zeros.
+        ValueError: the restitution is out of range, the record is all zeros, or a run failed.
     """
     peak = float(np.max(np.abs(record.acceleration)))
     if peak == 0.0:
@@ -142,13 +151,17 @@ def felling_period(block: Block, peak: float, restitution: float | None = None) 
     """Shortest period [s] of one cycle of a sine of this peak [m/s^2] that fells the block in any of the runs.
 
     None if none up to 20 s does.  Searched in steps of 2.5 %.
+
+    Raises:
+        ValueError: the restitution is out of range, or a run failed.
     """
     systems = [Method1(block, restitution=e) for e in restitutions(block, restitution)]
     pulses = [one_cycle(peak, period) for period in PERIODS.tolist()]
     # The mirrored pulse gives the mirrored run, from a block at rest.
     motions = [PiecewiseLinear(pulse.time_step, pulse.acceleration) for pulse in pulses] * len(systems)
     many = [system for system in systems for _ in pulses]
-    result = solve_batch(many, motions, t_end=float(PERIODS[-1]) + 20.0 / block.p(), solver="taylor")
+    t_end = float(PERIODS[-1]) + 20.0 / block.p()
+    result = _none_failed(solve_batch(many, motions, t_end=t_end, solver="taylor"))
     fell = np.reshape(result.overturned, (len(systems), len(pulses))).any(axis=0)
     return float(PERIODS[fell.argmax()]) if fell.any() else None
 
@@ -228,8 +241,8 @@ def _parser() -> argparse.ArgumentParser:
     motion.add_argument("--record", type=Path, metavar="FILE", help="a record in any format of python -m excitation")
     parser.add_argument("--period", type=float, metavar="T", help="with --pga: one cycle of a sine of this period [s]")
     parser.add_argument("--pgv", type=float, metavar="V", help="with --pga: one cycle of this peak velocity [m/s]")
-    parser.add_argument("--component", metavar="NAME", help="of a record; its strongest horizontal one if not given")
-    parser.add_argument("--units", help="unit of acceleration, for a record that states none")
+    parser.add_argument("--component", metavar="NAME", help="with --record: its strongest horizontal one if not given")
+    parser.add_argument("--units", help="with --record: unit of acceleration, where it states none")
     parser.add_argument("--restitution", type=float, metavar="E", help="angular velocity after / before an impact "
                         "(default: Housner's for this block)")  # fmt: skip
     parser.add_argument("--json", action="store_true", help="print the answer as JSON")
@@ -253,6 +266,9 @@ def chosen(records: Sequence[Record], component: str | None) -> Record:
 
 def _record(options: argparse.Namespace) -> Record | None:
     """The motion to run; None where a peak is all that is known."""
+    for name in ("component", "units"):
+        if getattr(options, name) is not None and options.record is None:
+            raise BadInputError(f"--{name} {getattr(options, name)}: want it with --record, not with --pga")
     for name in ("period", "pgv"):
         value = getattr(options, name)
         if value is not None and options.record is not None:

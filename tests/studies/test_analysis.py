@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import dem
 import studies
 from studies.compare import compared
 from studies.compare import main as compare
 from studies.criteria.overturning import Settings, overturning
 from studies.families.onset import OnsetPlan
-from studies.running.files import BadInputError, save_dataset, save_figure
+from studies.running.files import BadInputError, DatasetError, save_dataset, save_figure
 from studies.running.index_page import write_index
 from studies.running.study import Study
 from studies.specimens import specimen
@@ -34,6 +35,23 @@ def test_open_finds_files_and_makes_units_plot_well(tmp_path, monkeypatch):
     assert studies.open("x.nc", cf_units=True).amplitude.attrs["units"] == "m s-2"
     with pytest.raises(FileNotFoundError, match=r"y.nc: neither there nor in build/studies"):
         studies.open("y.nc")
+
+
+def test_runs_of_distinct_elements_have_the_units_of_the_rest(tmp_path):
+    """CF conventions, section 3.1: UDUNITS, which knows both; one spelling in all files, that of `rocking`."""
+    scene = dem.single_block(0.15, 0.5, 0.25, 597.0)
+    one = dem.simulate(scene, t_end=0.001, mu=0.5, damping_ratio=0.2).to_xarray()
+    column = dem.simulate_assembly(
+        dem.column(2, 0.15, 0.5, 0.25, 597.0), t_end=0.001, contact=dem.Contact(0.5, damping=1.0)
+    )
+    for ds in (one, column.to_xarray()):
+        assert not [v.attrs["units"] for v in ds.variables.values() if "/" in v.attrs.get("units", "")]
+        assert ds.omega.attrs["units"] == "rad s-1"
+    save_dataset(one, tmp_path / "run.nc")
+    older = one.assign(base_ax=one.base_ax.assign_attrs(units="m/s^2"))
+    save_dataset(older, tmp_path / "older.nc")
+    for name in ("run", "older"):
+        assert studies.open(tmp_path / f"{name}.nc").base_ax.attrs["units"] == "m/s²"
 
 
 def test_criteria_are_interpolated_in_their_logarithm_and_nowhere_else():
@@ -97,6 +115,25 @@ def test_tolerance_gaps_texts_and_other_axes():
     rows, notes = compared(dataset(frequencies=(1.1, 1.2)), dataset(frequencies=(1.0, 1.15, 1.3)))
     assert "B is interpolated to 2 points of A" in notes[0]
     assert rows[0].name == "amplitude" and rows[0].relative < 0.02
+
+
+@pytest.mark.parametrize("one", [("a", "b"), (1.0, 2.0)])
+def test_datasets_without_a_point_in_common_are_not_called_equal(tmp_path, one):
+    other = ("c", "d") if one[0] == "a" else (3.0, 4.0)
+    a, b = (xr.Dataset({"x": ("case", [1.0, 2.0])}, {"case": list(names)}) for names in (one, other))
+    with pytest.raises(DatasetError, match=f"^case: {one[0]} to {one[1]} of A and {other[0]} to {other[1]} of B; want"):
+        compare(saved(tmp_path, a=a, b=b))
+
+
+def test_a_variable_that_is_lost_moves_and_one_that_is_new_does_not(tmp_path, capsys):
+    less = dataset().drop_vars("note")
+    with pytest.raises(SystemExit) as left:
+        compare(saved(tmp_path, a=dataset(), b=less))
+    assert left.value.code == 1
+    assert "in A alone: note" in capsys.readouterr().out
+    compare(saved(tmp_path, a=less, b=dataset()))
+    with pytest.raises(SystemExit):
+        compare(saved(tmp_path, a=xr.Dataset({"x": ("t", [])}), b=xr.Dataset({"x": ("t", [])})))
 
 
 def test_infinities_coordinates_and_units_move_too(tmp_path):

@@ -4,6 +4,7 @@ import json
 import math
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -142,6 +143,8 @@ def test_period_and_velocity_say_the_same(capsys):
         (["0", "1", "--pga", "3"], "b=0.0 m: want a positive number"),
         (["0.2", "0.8", "--pga", "3", "--period", "-1"], "--period -1.0: want a positive number"),
         (["0.2", "0.8", "--pga", "3", "--period", "1", "--pgv", "1"], "want one of them"),
+        (["0.2", "0.8", "--pga", "3", "--component", "H1"], "--component H1: want it with --record, not with --pga"),
+        (["0.2", "0.8", "--pga", "3", "--units", "g"], "--units g: want it with --record, not with --pga"),
         (["0.2", "0.8", "--record", "nothing.AT2"], "nothing.AT2: want a file that can be read"),
         (["0.2", "0.8", "--record", "x", "--pgv", "1"], "want it with --pga"),
         (["0.2", "0.8", "--pga", "3", "--restitution", "1.5"], "restitution=1.5"),
@@ -150,6 +153,22 @@ def test_period_and_velocity_say_the_same(capsys):
 def test_bad_input_is_one_sentence(arguments, sentence):
     with pytest.raises(BadInputError, match=sentence):
         command.main(arguments)
+
+
+@pytest.mark.parametrize("more", [[], ["--period", "1"]])
+def test_a_run_that_fails_is_no_block_that_stands(more, monkeypatch, capsys):
+    real = command.solve_batch
+
+    def failing(*args, **kwargs):
+        result = real(*args, **kwargs)
+        return replace(result, outcome=np.where(np.arange(len(result)) == 0, 3, 1))
+
+    monkeypatch.setattr(command, "solve_batch", failing)
+    with pytest.raises(
+        BadInputError, match=r"^1 of \d+ runs failed before they told whether the block falls; want none"
+    ):
+        command.main(["0.2", "0.8", "--pga", "3", *more])
+    assert not capsys.readouterr().out
 
 
 def test_a_block_that_lands_on_both_corners_is_answered(capsys):
