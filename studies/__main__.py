@@ -10,7 +10,7 @@ import argparse
 import time
 from pathlib import Path
 
-from studies.running.command_line import add_common_arguments, one_of, run
+from studies.running.command_line import DEFAULT_OUT, add_common_arguments, one_of, run
 from studies.running.files import NO_ROOM, BadInputError, writable_folder
 from studies.running.index_page import write_index
 from studies.running.registry import studies
@@ -33,6 +33,21 @@ def _parser() -> argparse.ArgumentParser:
 def _options(arguments: argparse.Namespace) -> list[str]:
     options = ["--out", str(arguments.out)] + (["--quick"] if arguments.quick else [])
     return options + ([] if arguments.workers is None else ["--workers", str(arguments.workers)])
+
+
+def _refuse_options(arguments: argparse.Namespace) -> None:
+    """A list has no options.
+
+    Raises:
+        BadInputError: one is given.
+    """
+    given = {
+        f"--only {' '.join(arguments.only)}": bool(arguments.only), "--quick": arguments.quick,
+        f"--workers {arguments.workers}": arguments.workers is not None,
+        f"--out {arguments.out}": arguments.out != DEFAULT_OUT,
+    }  # fmt: skip
+    for option in (option for option, there in given.items() if there):
+        raise BadInputError(f"{option}: want it with the word `all`, which makes studies; the list has no options")
 
 
 def make_all(chosen: dict[str, Study], arguments: argparse.Namespace) -> dict[str, str]:
@@ -68,6 +83,7 @@ def main(argv: list[str]) -> None:
     arguments = _parser().parse_args(argv)
     found = studies()
     if arguments.word == "list":
+        _refuse_options(arguments)
         width = max(map(len, found))
         for name, study in found.items():
             print(f"{name:{width}s}  {study.title}")

@@ -242,6 +242,19 @@ def _not_had(effect: str, engine: str) -> str:
     return ""
 
 
+def _check_together(parser: argparse.ArgumentParser, options: argparse.Namespace) -> None:
+    """End with a sentence where an option has no say beside another."""
+    if options.quick and options.effects:
+        parser.error(f"--effects {' '.join(options.effects)}: want it without --quick, which has its own")
+    if options.engine != "event" and options.channel != "rotation":
+        parser.error(f"--channel {options.channel}: want rotation of the engine {options.engine}, or --engine event")
+    if options.channel == "outcome":
+        if options.strength != "strong":
+            parser.error(f"--strength {options.strength}: want strong with --channel outcome, where it has no say")
+        if options.nuisances:
+            parser.error(f"--nuisances {' '.join(options.nuisances)}: want none with --channel outcome")
+
+
 def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
     """What the command line says."""
     known = ["null", *NAMED, *UNNAMED]
@@ -270,6 +283,7 @@ def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--csv", type=Path, help="the table (loop_trials.csv in that folder)")
     parser.add_argument("--command", default=f"{sys.executable} -m studies.loop", help="what is judged")
     options = parser.parse_args(given)
+    _check_together(parser, options)
     if options.quick:
         options.effects = list(QUICK[options.engine])
     for effect in options.effects or ():
@@ -280,8 +294,6 @@ def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
         if wrong:
             parser.error(f"--effects {effect}: {wrong}")
     options.effects = options.effects or [e for e in [*known, *PAIRS] if not _not_had(e, options.engine)]
-    if options.engine != "event" and options.channel != "rotation":
-        parser.error(f"--channel {options.channel}: want rotation of the engine {options.engine}, or --engine event")
     if options.engine == "mujoco":
         try:
             by_mujoco.package()

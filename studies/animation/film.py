@@ -79,8 +79,14 @@ class Film:
         return self if title is None else replace(self, title=title)
 
     def between(self, start: float, end: float) -> Film:
-        """The samples from start to end [s], and the events among them."""
+        """The samples from start to end [s], and the events among them.
+
+        Raises:
+            ValueError: there is no sample among them.
+        """
         kept = (self.time >= start) & (self.time <= end)
+        if not kept.any():
+            raise ValueError(f"{start:.6g} to {end:.6g} s: want a stretch with a sample in it")
         return replace(
             self, time=self.time[kept], x=self.x[kept], z=self.z[kept], theta=self.theta[kept],
             base_ax=None if self.base_ax is None else self.base_ax[kept],

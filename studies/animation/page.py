@@ -53,7 +53,12 @@ def page(film: Film, *, most_frames: int = MOST_FRAMES, most_bytes: int = MOST_B
     Args:
         film: what is shown.
         most_frames, most_bytes: bounds on frames, and on the bytes of their poses.
+
+    Raises:
+        ValueError: the film has no samples.
     """
+    if not film.time.size:
+        raise ValueError(f"film={film!r}: want at least one sample")
     kept, every = thinned(film, most_frames, most_bytes)
     poses, low, step = _poses(film, kept)
     base = [a[kept] for a in (film.base_ax, film.base_az) if a is not None]

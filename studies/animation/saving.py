@@ -35,7 +35,7 @@ def save(
 
     Raises:
         ValueError: another suffix, a folder that is not there, a dataset that is not of a run, a stretch that it does
-            not cover, or a speed or fps that is not positive.
+            not cover or, of a page, one between two samples, or a speed or fps that is not positive.
         RuntimeError: an MP4 where there is no ffmpeg.
     """
     path = Path(path)

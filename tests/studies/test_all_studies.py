@@ -10,7 +10,9 @@ import xarray as xr
 from PIL import Image
 
 import studies
+from studies.__main__ import main as listing
 from studies.claims.bounds import CLAIMS
+from studies.running.files import BadInputError
 from studies.running.registry import HERE, modules
 from studies.running.registry import studies as registered
 from studies.running.study import make, parser_of
@@ -110,6 +112,20 @@ def test_example_of_a_dataset_runs(name, made, folder):
     ds = studies.open(folder / f"{name}.nc")
     exec(STUDIES[name].example, {"ds": ds, "studies": studies})
     pyplot.close("all")
+
+
+@pytest.mark.parametrize(
+    ("given", "option"),
+    [
+        ("--only fig18", "--only fig18"),
+        ("list --quick", "--quick"),
+        ("--workers 2", "--workers 2"),
+        ("--out x", "--out x"),
+    ],
+)
+def test_the_list_of_studies_refuses_options_that_it_would_drop(given, option):
+    with pytest.raises(BadInputError, match=f"^{option}: want it with the word `all`"):
+        listing(given.split())
 
 
 @pytest.mark.parametrize("name", ["fig18"])

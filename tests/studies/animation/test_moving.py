@@ -4,6 +4,7 @@ import json
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from PIL import Image, ImageChops
 from studies.animation import film_of, moving, save
 from studies.animation.__main__ import main
 from studies.animation.moving import Stage, instants
+from studies.animation.page import page
 from studies.running.files import BadInputError, save_dataset
 
 
@@ -80,6 +82,17 @@ def test_bad_requests_are_refused_before_any_work(column, tmp_path, arguments, m
     with pytest.raises(ValueError, match=message):
         save(column, **(arguments | {"path": tmp_path / arguments["path"]}))
     assert not list(tmp_path.iterdir())
+
+
+def test_a_page_of_a_stretch_between_two_samples_is_refused(column, tmp_path):
+    first, second = column.time[3:5]
+    start, end = 0.75 * first + 0.25 * second, 0.25 * first + 0.75 * second
+    with pytest.raises(ValueError, match=r" to .* s: want a stretch with a sample in it"):
+        save(column, tmp_path / "run.html", start=start, end=end)
+    assert not list(tmp_path.iterdir())
+    film = film_of(column)
+    with pytest.raises(ValueError, match=r"^film=<Film .* no time>: want at least one sample"):
+        page(replace(film, time=film.time[:0], x=film.x[:0], z=film.z[:0], theta=film.theta[:0]))
 
 
 def test_the_command_animates_a_saved_run(column, tmp_path, capsys):

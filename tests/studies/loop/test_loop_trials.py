@@ -46,6 +46,22 @@ def test_effects_that_no_laboratory_has_together_are_refused_at_once(effects, sa
     assert said in told
 
 
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ("--channel outcome --strength weak", "--strength weak: want strong with --channel outcome"),
+        ("--channel outcome --nuisances lossy", "--nuisances lossy: want none with --channel outcome"),
+        ("--quick --effects tether", "--effects tether: want it without --quick, which has its own"),
+    ],
+)
+def test_options_that_would_have_no_say_are_refused(given, said, tmp_path, capsys):
+    with pytest.raises(SystemExit) as left:
+        main([*given.split(), "--out", str(tmp_path)])
+    assert left.value.code == 2
+    assert said in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
 def test_an_effect_that_nobody_knows_is_refused_with_the_list(capsys):
     with pytest.raises(SystemExit):
         main(["--effects", "gremlin"])
