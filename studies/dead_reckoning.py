@@ -93,7 +93,7 @@ def _truth(long: float | None) -> tuple[Array, Array, Array, Array, Array]:
 
 
 def _impulses(run: Any, top: tuple[float, float]) -> tuple[Array, Array]:
-    """Changes of velocity [m/s] of the top in the impacts, along and across the block, in the sample of each."""
+    """Changes of velocity [m/s] of the top in the impacts, across and along the block, in the sample of each."""
     h = top[1]
     along, across = np.zeros_like(run.t), np.zeros_like(run.t)
     omega = run.system.state_names.index("omega")

@@ -8,6 +8,7 @@ Run          python -m studies.springs [--quick]  ->  build/studies/springs.nc, 
 from __future__ import annotations
 
 import argparse
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -21,7 +22,7 @@ from dem.free_swings import passages
 from rocking import Method1, solve
 from rocking.effects.compliant_base import CompliantBase
 from studies.claims.bounds import CLAIMS
-from studies.criteria.free_vibration import FRICTION, RELEASE, scene_of
+from studies.criteria.free_vibration import RELEASE, scene_of
 from studies.criteria.overturning import STIFFNESS
 from studies.running.labelled import PAPER
 from studies.running.parts import Parts
@@ -59,10 +60,10 @@ def _both(job: Job) -> dict[str, Any]:
     """Tilts [rad] of both models at the same times, from the same release."""
     block = specimen(BLOCK)
     theta0 = RELEASE * block.alpha
-    every = round(SAMPLE / STEP)
-    elements = dem.simulate(
-        scene_of(block), t_end=job.duration, mu=FRICTION, damping_ratio=job.ratio, dt=STEP, theta0=theta0,
-        save_every=every,
+    damping = 2.0 * job.ratio * math.sqrt(STIFFNESS * block.mass)
+    elements = dem.let_go(
+        scene_of(block), theta0, t_end=job.duration, damping=damping, kn=STIFFNESS, ks=STIFFNESS, dt=STEP,
+        interval=SAMPLE,
     )  # fmt: skip
     t = elements.time[:-1]
     springs = solve(

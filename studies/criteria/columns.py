@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 
 import dem
 from excitation import RampedSinusoid
-from rocking import Block
+from rocking import G_STANDARD, Block
 from studies.criteria.free_vibration import fit_dashpot
 from studies.criteria.overturning import STIFFNESS
 from studies.specimens import specimen
 
-G = 9.80665
+G = G_STANDARD
 COLUMN_BLOCK = 3
 """Number in Table 1 of the blocks of the columns."""
 

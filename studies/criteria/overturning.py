@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 import dem
 from excitation import RampedSinusoid
-from rocking import Block, Method1, Method2, Mode, Outcome, solve
-from rocking.effect import Effect
+from rocking import G_STANDARD, Block, Method1, Method2, Mode, Outcome, solve
+from rocking.effect import OF_THE_SENSOR, Effect
 from rocking.effects import base_with
 from rocking.hybrid import System
 from rocking.method2 import ImpactLaw
@@ -40,7 +40,7 @@ PAPER_STEP = 2.0e-6
 class Settings:
     """Everything that a criterion depends on besides block, frequency and method; what the paper prints is marked."""
 
-    ramp: float = 25.0 * 9.80665  # envelope at the end [m/s^2]
+    ramp: float = 25.0 * G_STANDARD  # envelope at the end [m/s^2]
     duration: float = 90.0  # of the ramp [s]: "about 90 s" in the paper
     imperfection: float = 0.0  # rms departure of the envelope [1]
     seed: int = 0  # of that departure
@@ -61,7 +61,7 @@ class Settings:
     @property
     def effects_on_block(self) -> tuple[Effect, ...]:
         """Those that act on the block itself, rather than on the base or a sensor."""
-        return tuple(e for e in self.effects if e.ways() - {"base_motion", "reading"})
+        return tuple(e for e in self.effects if e.ways() - {"base_motion", *OF_THE_SENSOR})
 
     def motion(self, frequency: float) -> RampedSinusoid:
         """The base motion at a frequency [Hz]."""
@@ -93,7 +93,7 @@ def _criterion(
 
 
 def _standing(settings: Settings) -> Criterion:
-    g_units = settings.ramp / 9.80665
+    g_units = settings.ramp / G_STANDARD
     return _no_criterion(f"standing at the end of the ramp, {settings.ramp:.4g} m/s^2 ({g_units:.3g} g)")
 
 
@@ -147,7 +147,7 @@ def _felt(motion: RampedSinusoid, settings: Settings) -> Callable[[NDArray[np.fl
         raise ValueError(f"{settings.effects_on_block[0].name}: distinct elements do not carry it")
     if not settings.effects:
         return motion
-    base = base_with(motion, settings.effects, (0.0, settings.duration), 9.80665)
+    base = base_with(motion, settings.effects, (0.0, settings.duration), G_STANDARD)
     if pitch_kernel(base) is not None:
         raise ValueError(f"{base!r}: a single distinct element does not carry a base that pitches")
     return lambda t: base.kernel(np, t, base.parameters)

@@ -7,7 +7,7 @@ Paper says   a damping is found that fits; stiffness moves mainly the frequency,
 Run          python -m studies.fig05 [--quick]  ->  build/studies/fig05.nc, then fig05.png and .pdf
 
 The experiment's curve is not available as numbers, nor is the restitution that was fitted to it. Method 1 stands for
-it, with Housner's restitution and with a larger one.
+it, nonlinear since a block is, with Housner's restitution and with a larger one.
 """
 
 from __future__ import annotations
@@ -160,7 +160,8 @@ def dataset(plan: FreePlan, parts: Parts) -> xr.Dataset:
         wave_speed=dem.wave_speed_from_stiffness(block.mass, STIFFNESS, block.h),
         references="Winkler, Meguro & Yamazaki (1995), Fig. 5 and eq. (9)",
         choices=(
-            "not printed, chosen here: restitution of Method 1 (it stands for the experiment), tilt at release; "
+            "not printed, chosen here: restitution of Method 1, which is nonlinear (it stands for the experiment; eqs "
+            "(2) and (3) as printed are linear), tilt at release; "
             "friction so high that nothing slides; DEM by dem.simulate, step a twentieth of the critical one"
         ),
     )  # fmt: skip

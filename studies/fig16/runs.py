@@ -17,8 +17,9 @@ import numpy as np
 import xarray as xr
 
 from rocking import Mode
+from rocking.effects import compose
 from studies.criteria.free_vibration import DashpotFit, fit_dashpot, swing_restitution
-from studies.criteria.overturning import METHODS, STIFFNESS, Criterion, Settings, overturning
+from studies.criteria.overturning import METHODS, STIFFNESS, Criterion, Settings, overturning, system_of
 from studies.fig16.sensitivity import SCATTER, VARIATIONS, Variation
 from studies.running.parts import Parts
 from studies.specimens import specimen
@@ -191,11 +192,43 @@ def _coordinates(plan: Plan) -> dict[str, Any]:
     return coordinates
 
 
+def _method1(block: int, settings: Settings) -> Any:
+    """A block under Method 1, before effects."""
+    return system_of("method1", specimen(block), settings)
+
+
+def _restitution(plan: Plan) -> str:
+    """Which restitution Methods 1 and 2 have."""
+    s = plan.settings
+    if s.restitution is not None:
+        return f"{s.restitution:g} for Methods 1 and 2"
+    plastic = s.impact_law == "frictional" and s.normal_restitution == s.tangential_restitution == 0.0
+    whose = "Methods 1 and 2" if plastic else "Method 1 (that of Method 2 follows from its impacts)"
+    if not s.effects_on_block:
+        return f"Housner's 1 - 1.5 sin^2(alpha) for {whose}"
+    own = {f"Block {n}": _of_form(n, s) for n in plan.blocks}
+    listing = "; ".join(f"{name} {value}" for name, value in own.items())
+    return f"that of the impact of each form on the edge that lands, for {whose}, before what effects add: {listing}"
+
+
+def _of_form(block: int, settings: Settings) -> str:
+    """Restitution of a block with its effects, each side's where they differ."""
+    try:
+        system: Any = compose(_method1(block, settings), settings.effects_on_block)
+    except ValueError:
+        return "declined"
+    rigid = getattr(system, "rigid", system)
+    sides = rigid.restitutions if hasattr(rigid, "restitutions") else (getattr(rigid, "e", None),)
+    found = dict.fromkeys("of its own" if e is None else f"{e:.4g}" for e in sides)
+    return " and ".join(found)
+
+
 def _choices(plan: Plan) -> dict[str, Any]:
     """How each parameter was chosen, for the attributes."""
     s = plan.settings
     housner = s.restitution is None
     law = s.impact_law if housner or s.impact_law != "frictional" else "two_corner"
+    asked = ", which effects on the block ask for" if s.effects_on_block else ""
     text = {
         "ramp_choice": (
             f"linear envelope to {s.ramp:.6g} m/s^2 in {s.duration:g} s, one for all runs; the paper prints about 90 s "
@@ -206,17 +239,15 @@ def _choices(plan: Plan) -> dict[str, Any]:
             f"{s.friction:g}, static and kinetic, Method 2 and DEM; the paper says that it exceeds b/h and that "
             "abrasive paper was under the blocks"
         ),
-        "restitution_choice": (
-            "Housner's 1 - 1.5 sin^2(alpha) for Methods 1 and 2"
-            if housner
-            else f"{s.restitution:g} for Methods 1 and 2"
-        )
-        + "; the paper fitted it to a free vibration and does not print it",
+        "restitution_choice": f"{_restitution(plan)}; the paper fitted it to a free vibration and does not print it",
         "impact_choice": (
             f"Method 2: normal restitution {s.normal_restitution:g}, tangential {s.tangential_restitution:g}, law "
             f"{law}; the paper prints none of them"
         ),
-        "method1_choice": f"{s.form} equations (as eqs (2) and (3) are printed: linear), start of rocking by eq. (1)",
+        "method1_choice": (
+            f"{_method1(plan.blocks[0], s).form} equations{asked} (as eqs (2) and (3) are printed: linear), start of "
+            f"rocking by eq. (1){' with what the effects change of it' if s.effects else ''}"
+        ),
         "parameter_sensitivity": f"variable varied_amplitude, on Block {plan.sensitivity_block}",
     }
     return text if plan.variations else {k: v for k, v in text.items() if k != "parameter_sensitivity"}

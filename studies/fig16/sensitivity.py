@@ -10,9 +10,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from rocking import G_STANDARD
 from studies.criteria.overturning import METHODS
 
-G = 9.80665
+G = G_STANDARD
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ import math
 import numpy as np
 import xarray as xr
 
+from rocking import G_STANDARD
 from studies.claims.bounds import CLAIMS
 from studies.running.statements import Finding, listed, table
 
@@ -51,7 +52,7 @@ def _periods_from_onset(ds: xr.Dataset) -> dict[str, float]:
     """At the lowest frequency, periods from when the envelope passes (b/h) g until overturning, by run."""
     slow = ds.isel(frequency=0)
     # The envelope is a straight line through zero, so time is proportional to it.
-    onset = slow.overturning_time * (slow.b / slow.h * 9.80665) / slow.overturning_amplitude
+    onset = slow.overturning_time * (slow.b / slow.h * G_STANDARD) / slow.overturning_amplitude
     periods = (slow.overturning_time - onset) * slow.frequency
     return {
         f"{method}, Block {block}": float(periods.sel({"method": method, "block": block}))

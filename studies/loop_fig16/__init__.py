@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rocking import Method2, Mode, solve
+from rocking import G_STANDARD, Method2, Mode, solve
 from rocking.effects import load
 from rocking.motion import base_at
 from studies.campaigns import Campaign, Channel, Conditions, DeclaredBlock, Test
@@ -39,7 +39,7 @@ from studies.running.statements import Finding, listed, table
 from studies.running.study import Study
 from studies.specimens import SIZES, specimen
 
-G = 9.80665
+G = G_STANDARD
 MODELS = ("laboratory", "declared", "before", "after")
 RECORDED_UNTIL = 0.98
 """Share of the time to overturning after which a test is stopped: the block is caught before it falls."""

@@ -9,9 +9,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from rocking import G_STANDARD
 from studies.running.plot import caption, new_figure
 
-G = 9.80665
+G = G_STANDARD
 STYLES: dict[str, dict[str, Any]] = {
     "laboratory": {"color": "k", "marker": "s", "label": "laboratory (Method 2)"},
     "declared": {"color": "#CC79A7", "marker": ".", "ls": ":", "label": "Method 1, Housner's restitution"},

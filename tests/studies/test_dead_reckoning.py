@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from rocking import Method1, solve
 from studies import dead_reckoning
 from studies.dead_reckoning import BLOCK, CALIBRATION, KNOWN_TO, NOISE, SAMPLE, Job, _error, reconstructed
 from studies.specimens import specimen
@@ -16,6 +17,19 @@ def test_readings_without_errors_give_back_the_motion_of_the_top() -> None:
     early = t < 1.0
     found = reconstructed(t[early], r_X[early], r_Z[early], a_x[early], np.arcsin(x[0] / H), H)
     assert found == pytest.approx(x[early], abs=2.0 * SAMPLE * np.abs(np.gradient(x, t)).max())
+
+
+def test_impulses_are_across_and_along_the_block() -> None:
+    """Upright, the top moves across at omega h and, by its corner, along at omega b/2: by the change of omega, which is
+    (1 - e) omega across; along, the corner changes sides, and the block falls before and rises after: (1 + e) omega."""
+    block = specimen(BLOCK)
+    run = solve(Method1(block), theta=0.1, t_end=1.0, save_at=np.arange(0.0, 1.0, SAMPLE))
+    across, along = dead_reckoning._impulses(run, (0.0, H))
+    before = run.events.y_before[0][1]
+    k = np.flatnonzero(across)[0]
+    e = block.housner_restitution
+    assert abs(across[k]) == pytest.approx((1.0 - e) * abs(before) * H, rel=1e-9)
+    assert along[k] == pytest.approx((1.0 + e) * abs(before) * 0.5 * block.b, rel=1e-9)
 
 
 def test_gains_and_noises_of_the_two_pickups_are_drawn_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,15 +2,18 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from rocking.effects.rounded_edges import RoundedEdges
 from studies import fig16
 from studies.fig16.drawing import figure, sensitivity_figure
 from studies.fig16.statements import check
 from studies.running.study import parser_of
+from studies.specimens import specimen
 
 
 def command(*arguments, cwd=None):
@@ -189,3 +192,29 @@ def test_run_that_does_not_overturn_is_named(tmp_path):
     )
     assert done.returncode == 0, done.stderr
     assert "no amplitude: Method 1, Block 1, 1 Hz: standing at the end of the ramp, 1.961 m/s^2 (0.2 g)" in done.stdout
+
+
+def test_the_dataset_says_which_equations_and_restitution_its_runs_had():
+    """Effects are added to the nonlinear equations (`rocking.effects`).  Worn edges let a block stand on b - 2 r:
+    angular momentum about the edge that lands gives e = (rho^2 + H^2 - a^2) / (rho^2 + H^2 + a^2), with a = b/2 - r and
+    H = h/2."""
+    few = fig16.Plan(methods=("method1",), blocks=(3,), frequencies=(1.0,), variations=())
+    plain = fig16.dataset(few).attrs
+    assert plain["method1_choice"].startswith("linear equations (")
+    assert plain["restitution_choice"].startswith("Housner's 1 - 1.5 sin^2(alpha) for Methods 1 and 2;")
+    worn = fig16.dataset(replace(few, settings=replace(few.settings, effects=(RoundedEdges(radius=0.02),)))).attrs
+    assert worn["method1_choice"].startswith("nonlinear equations, which effects on the block ask for (")
+    block = specimen(3)
+    about, a = (block.b**2 + block.h**2) / 12.0 + 0.25 * block.h**2, 0.5 * block.b - 0.02
+    assert f": Block 3 {(about - a * a) / (about + a * a):.4g};" in worn["restitution_choice"]
+    assert "Housner" not in worn["restitution_choice"]
+
+
+@pytest.mark.parametrize("name", ["restitution", "normal_restitution", "impact_law"])
+def test_a_restitution_that_method_2_does_not_have_is_not_said_of_it(name):
+    few = fig16.Plan(methods=("method1",), blocks=(3,), frequencies=(1.0,), variations=())
+    changed = {"restitution": 0.9, "normal_restitution": 0.3, "impact_law": "kinematic"}[name]
+    said = fig16.dataset(replace(few, settings=replace(few.settings, **{name: changed}))).attrs["restitution_choice"]
+    assert said.startswith(
+        "0.9 for Methods 1 and 2;" if name == "restitution" else "Housner's 1 - 1.5 sin^2(alpha) for Method 1 (that of"
+    )
