@@ -101,7 +101,8 @@ class LearnedReading(_Coefficients):
 def follower(theta: NDArray[np.float64], play: float) -> NDArray[np.float64]:
     """What is moved by theta [rad], shape (time,), through a gap of twice the play [rad].
 
-    It has been moved from upright, where it was in the middle of the gap, to the first one of them.
+    It has been moved from upright, where it was in the middle of the gap, to the first one of them; where the first
+    ones are on their way back, which a peak that stays in the gap hides, as far as the peak from which they come.
     """
     return np.asarray(_follower()(np.ascontiguousarray(theta, dtype=np.float64), float(play)))
 
@@ -113,6 +114,12 @@ def _follower() -> Any:
     def follow(theta: Any, play: Any) -> Any:
         out = np.empty(theta.size)
         last = 0.0
+        if theta.size > 2:
+            bend = theta[2] - 2.0 * theta[1] + theta[0]
+            pace = theta[1] - theta[0] - 0.5 * bend  # of a parabola through three samples, at the first
+            if pace * theta[0] < 0.0 and bend * theta[0] < 0.0:
+                last = theta[0] - 0.5 * pace * pace / bend
+                last = math.copysign(max(abs(last) - play, 0.0), last)
         for k in range(theta.size):
             last = min(max(last, theta[k] - play), theta[k] + play)
             out[k] = last

@@ -22,13 +22,28 @@ Parameters = dict[str, float]
 
 @dataclass(frozen=True)
 class Sensors:
-    """What the instruments make of the truth: recorded rotation = gain (theta + cubic theta^3) + offset."""
+    """What the instruments make of the truth: recorded rotation = gain (x + cubic x^3) + offset, x behind a play."""
 
     rotation_gain: float = 1.0
     rotation_offset: float = 0.0
     rotation_cubic: float = 0.0  # 1/rad^2
+    rotation_play: float = 0.0  # rad, half of the gap in the linkage, in whose middle it is when the block is upright
     base_gain: float = 1.0  # true over recorded
     base_lag: float = 0.0  # s, how late the record is
+
+    def reads(self, theta: np.ndarray) -> np.ndarray:
+        """Reading of the rotation sensor [rad] at the samples of a test, shape (time,), NaN where there is none."""
+        x = theta if self.rotation_play == 0.0 else _behind(theta, self.rotation_play)
+        return self.rotation_gain * (x + self.rotation_cubic * x**3) + self.rotation_offset
+
+
+def _behind(theta: np.ndarray, play: float) -> np.ndarray:
+    out, at = np.full(theta.size, math.nan), 0.0
+    for k in np.flatnonzero(np.isfinite(theta)):
+        if abs(theta[k] - at) > play:
+            at = theta[k] - math.copysign(play, theta[k] - at)
+        out[k] = at
+    return out
 
 
 GRIPS = 1.4
@@ -345,6 +360,19 @@ def curved_sensor(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     return replace(lab, sensors=replace(lab.sensors, rotation_cubic=cubic)), {}
 
 
+def loose_linkage(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
+    """The rotation sensor is driven through a joint that has play."""
+    play = min(0.05, k * d.between(0.001, 0.005)) * lab.world.alpha
+    return replace(lab, sensors=replace(lab.sensors, rotation_play=play)), {}
+
+
+def sprung_table(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
+    """The block stands on a plate that gives, and the sensor of the base is below it."""
+    frequency = (12.0 + 10.0 * d.other) / math.sqrt(k * d.between(0.5, 2.0))
+    plate = {"plate_frequency": max(8.0, frequency), "plate_damping": 0.03 + 0.1 * d.choice}
+    return replace(lab, table=replace(lab.table, **plate)), {}
+
+
 NAMED: dict[str, Effect] = {
     f.__name__: f
     for f in (
@@ -358,7 +386,7 @@ UNNAMED: dict[str, Effect] = {
     for f in (
         restitution_by_side, wear, cubic_torque, hinge_friction, one_sided_friction, one_sided_damping, squeezed_air,
         leaking_restitution, bedding_in, grinding, one_sided_cable, ribbed_cable, magnet, hysteretic_layer, slosh,
-        curved_sensor,
+        curved_sensor, loose_linkage, sprung_table,
     )
 }  # fmt: skip
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -69,8 +70,7 @@ def _in_block(vector: Array, c: Array, s: Array) -> Array:
 def reading(lab: Lab, plan: Plan, response: Response, channel: Channel, bench: Bench) -> Array | None:
     """Noise-free samples of a channel; None where a test has none (a free test has no base channel)."""
     if channel.kind == "rotation":
-        k, theta = lab.sensors, response.rotation
-        return k.rotation_gain * (theta + k.rotation_cubic * theta**3) + k.rotation_offset
+        return lab.sensors.reads(response.rotation)
     if channel.kind == "block_acceleration":
         felt = felt_by_motion(plan.motion, 0.5 / plan.rate, 2 * plan.samples - 1, lab.table)
         assert channel.position is not None
@@ -81,7 +81,8 @@ def reading(lab: Lab, plan: Plan, response: Response, channel: Channel, bench: B
         return total @ axis
     if plan.motion is None:
         return None
-    felt = felt_by_motion(plan.motion, 0.5 / plan.rate, 2 * plan.samples - 1, lab.table)
+    below = replace(lab.table, plate_frequency=math.inf)
+    felt = felt_by_motion(plan.motion, 0.5 / plan.rate, 2 * plan.samples - 1, below)
     row = 0 if channel.kind == "base_acceleration_x" else 1
     t = np.arange(plan.samples) / plan.rate - lab.sensors.base_lag
     h = 0.5 / plan.rate

@@ -45,8 +45,7 @@ def predicted(lab: Lab, test: Test, lean: float, order: int = 0, pieces: Array |
     """Rotation as recorded (gain and offset of its sensor included), shape (time,); NaN after a fall."""
     pieces = felt(lab, test) if pieces is None else pieces
     theta = ENGINES[lab.engine](worn(lab, order).world, pieces, 0.5 * test.time_step, 2, lean).rotation
-    k = lab.sensors
-    return k.rotation_gain * (theta + k.rotation_cubic * theta**3) + k.rotation_offset
+    return lab.sensors.reads(theta)
 
 
 def rms(model: Array, measured: Array) -> float:

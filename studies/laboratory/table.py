@@ -6,6 +6,7 @@ A motion is a displacement: a sum of sines in an envelope of class C4, so that a
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from math import comb, pi
 
@@ -99,13 +100,28 @@ def second_harmonic(ax: Array, phase: float) -> Array:
 
 @dataclass(frozen=True)
 class Table:
-    """What the table does besides moving along x: pitch and heave, each a multiple of the motion along x."""
+    """What the table does besides moving along x: pitch and heave, each a multiple of the motion along x.
+
+    And a plate on springs between the table and the block, which gives along x.
+    """
 
     pitch_acceleration: float = 0.0  # rad/(m/s^2)
     pitch_displacement: float = 0.0  # rad/m
     vertical: float = 0.0
     vertical_second: float = 0.0
     vertical_phase: float = 0.0  # of the second harmonic, rad
+    plate_frequency: float = math.inf  # Hz
+    plate_damping: float = 0.05  # over critical
+
+    def on_top(self, ax: Array, h: float) -> Array:
+        """Acceleration of the plate [m/s^2] for that of the table, from rest; nodes at `h` [s]."""
+        if math.isinf(self.plate_frequency):
+            return ax
+        pad = 4 * ax.size  # until the plate has come to rest again
+        spectrum = np.fft.rfft(np.concatenate([ax, np.zeros(pad)]))
+        r = np.fft.rfftfreq(ax.size + pad, h) / self.plate_frequency
+        lag = 2j * self.plate_damping * r
+        return np.fft.irfft(spectrum * (1.0 + lag) / (1.0 - r**2 + lag), ax.size + pad)[: ax.size]
 
 
 def _filtered(ax: Array, h: float, power: int) -> Array:
@@ -142,7 +158,7 @@ def felt_by_motion(motion: Motion | None, h: float, n: int, table: Table) -> Arr
     if a or p:
         d = [motion.derivative(k, t) for k in range(5)]
         turn = [p * d[k] + a * d[k + 2] for k in range(3)]
-    return pieces(h, ax, az, (turn[0], turn[1], turn[2]))
+    return pieces(h, table.on_top(ax, h), az, (turn[0], turn[1], turn[2]))
 
 
 def felt_by_record(h: float, ax: Array, az: Array | None, table: Table) -> Array:
@@ -161,4 +177,4 @@ def felt_by_record(h: float, ax: Array, az: Array | None, table: Table) -> Array
             rate + p * _filtered(ax, h, -1),
             acceleration + p * ax,
         )
-    return pieces(h, ax, heave, (angle, rate, acceleration))
+    return pieces(h, table.on_top(ax, h), heave, (angle, rate, acceleration))

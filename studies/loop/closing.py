@@ -26,7 +26,18 @@ from studies.loop.search.learning_of_records import unseen
 from studies.loop.search.revising import Revision, revised, taken_out, without_needless
 from studies.loop.search.rounds import Path
 from studies.loop.search.searching import traced
-from studies.loop.swings.learning import FREEDOMS, LEARNED, LOSS, MEMORY, alike, learn, memories, profiles, unnamed
+from studies.loop.swings.learning import (
+    FREEDOMS,
+    LEARNED,
+    LOSS,
+    MEMORY,
+    alike,
+    by_itself,
+    learn,
+    memories,
+    profiles,
+    unnamed,
+)
 from studies.loop.swings.tracing import (
     PAYS,
     Round,
@@ -303,7 +314,7 @@ def _otherwise(
 def _one_in_place_of(setup: Setup, plain: Trial, named: Trial, whole: Fit, tell: Tell) -> Trial | None:
     """One coefficient without a name that swings and whole records prefer to effects with a name that meet them."""
     tell("asking whether one coefficient without a name explains more")
-    best = search(setup.simulator, plain, unnamed(plain.swing.model.declared), tell, leading=True).best
+    best = search(setup.simulator, plain, by_itself(setup.simulator, plain), tell, leading=True).best
     if best is None or bic(best.swing) > bic(named.swing):
         return None
     return best if explains_more(setup, whole_fit(setup, best, whole), whole) else None

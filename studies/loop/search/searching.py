@@ -20,7 +20,7 @@ from studies.loop.models.names import readable
 from studies.loop.records.preparing import Setup
 from studies.loop.search.revising import set_aside
 from studies.loop.search.rounds import Path, Tell, followed, nothing_of_swings, same, searched
-from studies.loop.swings.learning import terms, unnamed
+from studies.loop.swings.learning import by_itself, terms
 from studies.loop.swings.tracing import PAYS, Round, Trial, all_candidates, bic, floor_promises, pays, search
 from studies.loop.whole.remaining import (
     CLOSELY,
@@ -42,6 +42,9 @@ NEARLY_FIRST = 0.5
 MOST_IN_PLACE_OF_THE_FIRST = 2
 
 NOT_ON_TOP = "floors that give were not tried on top of this; runs take long"
+
+MUCH_OVER_NOISE = 1.5
+"""What a coefficient without a name leaves of swings over their noise beyond which whole records are not asked."""
 
 ONE_TERM = "one coefficient without a name leaves nothing over the noise, nor of whole records; runs take long"
 
@@ -131,9 +134,9 @@ def _one_term_is_enough(setup: Setup, plain: Trial, tell: Tell) -> bool:
 
 def _enough(setup: Setup, term: Trial) -> Fit | None:
     """The fit of a coefficient on whole records, if it explains them and the swings."""
-    if over_noise(setup, term) > unexplained(setup):
+    whole = whole_fit(setup, term) if over_noise(setup, term) < MUCH_OVER_NOISE else None
+    if whole is None or (over_noise(setup, term) > unexplained(setup) and not roughly_begun(setup, term, whole)):
         return None
-    whole = whole_fit(setup, term)
     return whole if whole.rms < (MISSED if by_chance(setup, term) else CLOSELY) else None
 
 
@@ -142,24 +145,26 @@ def _without_names(
 ) -> Path | None:  # fmt: skip
     """The path that goes no further since one coefficient without a name explains what effects with one do not.
 
-    It has to leave nothing where a first effect, and any smooth one on top of it, leave structure; swings have to
-    prefer it by far, and whole records must not refuse it.
+    It has to leave nothing where a first effect, and any smooth one on top of it, leave structure, or where whole
+    records prefer it to both; swings have to prefer it by far, and whole records must not refuse it.
 
     first: the path after its first round.
     """
     if not setup.by_rotation or not declared_noise(setup) or explains(setup, first.last, first.whole):
         return None
     tell("something is left: asking coefficients without a name")
-    term = search(setup.simulator, plain, unnamed(plain.swing.model.declared), tell, leading=True).best
+    term = search(setup.simulator, plain, by_itself(setup.simulator, plain), tell, leading=True).best
     its_whole = _enough(setup, term) if term is not None and pays(plain.swing, term.swing) else None
     if term is None or its_whole is None:
         return None
     path, smooth = first, [c for c in pool if c.smooth]
     if len(first.trials) > 1:
         path = followed(setup, first, smooth, tell, later=True, most=2)
-    if explains(setup, path.last, path.whole) or bic(term.swing) > bic(path.last.swing) - PAYS:
+    if bic(term.swing) > bic(path.last.swing) - PAYS or explains_more(setup, path.whole, its_whole):
         return None
-    if explains_more(setup, path.whole, its_whole):
+    # Two effects have the freedom to stand for a third of any kind.
+    several = len(path.last.parts) > 1 and explains_more(setup, its_whole, path.whole)
+    if explains(setup, path.last, path.whole) and not several:
         return None
     rounds = []
     for tried in path.rounds:

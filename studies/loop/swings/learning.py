@@ -141,6 +141,13 @@ def unnamed(block: DeclaredBlock) -> list[Candidate]:
     return [c for c in terms(block) if not WITH_A_NAME & {p.name for p in c.parameters} or len(c.parameters) > 1]
 
 
+def by_itself(simulator: Simulator, onto: Trial) -> list[Candidate]:
+    """What has no name, is said by a number or two, and may be all that acts."""
+    declared, windows = onto.swing.model.declared, onto.swing.windows
+    few = [c for c in readings(declared, windows) if len(c.parameters) == 1]
+    return [*unnamed(declared), *few, *memories(declared, windows), *plates(simulator, windows)]
+
+
 def _term(full: str, size: float) -> Candidate:
     parameter = Parameter(full, size, -50.0 * size, 50.0 * size)
     name = full if full == DRIFT else f"learned[{full.partition('.')[2]}]"

@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 
+from rocking.effects.learned_reading import LearnedReading
 from studies.loop.fits.fitting import Fit
 from studies.loop.fits.linearising import ROBUST
 from studies.loop.observed.windows import PEAK_OVER_NOISE, SIDE
@@ -83,14 +84,20 @@ def explains(setup: Setup, trial: Trial, whole: Fit) -> bool:
     return not (setup.by_rotation and missed(whole)) and over_noise(setup, trial) < structure(setup)
 
 
-def roughly_begun(setup: Setup, trial: Trial, whole: Fit) -> bool:
-    """Whether what swings on a floor that gives leave is that of how they begin.
+PLAY = f"{LearnedReading.name}.play"
+"""Of the linkage of a rotation sensor."""
 
-    How the floor gave before a swing began no rotation shows, and it is carried over but roughly.  Whole records hold
-    the same samples and begin from a lean or from rest, of which nothing is unknown: where these are met closely, what
-    is left of swings says nothing.
+
+def roughly_begun(setup: Setup, trial: Trial, whole: Fit) -> bool:
+    """Whether what swings leave is that of how they begin, on a floor that gives or behind a sensor with play.
+
+    How the floor gave before a swing began no rotation shows, and it is carried over but roughly; where in its gap
+    a linkage was is told from the first samples, on a still base. Whole records hold the same samples and begin
+    from a lean or from rest, of which nothing is unknown: where these are met closely, what is left of swings says
+    nothing.
     """
-    return trial.costly and setup.by_rotation and whole.rms < CLOSELY
+    rough = trial.costly or any(p.name == PLAY for part in trial.parts for p in part.parameters)
+    return rough and setup.by_rotation and whole.rms < CLOSELY
 
 
 def missed(whole: Fit) -> bool:

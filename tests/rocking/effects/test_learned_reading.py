@@ -109,6 +109,18 @@ def test_play_stays_behind_by_half_of_the_gap() -> None:
     np.testing.assert_array_equal(sensor.reading(np.array(there_and_back)), there_and_back)
 
 
+def test_a_window_that_begins_within_the_gap_knows_the_peak_before_it() -> None:
+    """A parabola from 0.2 rad down at 1 rad/s^2: cut off at any time, it reads what the whole of it reads."""
+    sensor, t = LearnedReading(play=0.002), 0.004 * np.arange(100)
+    for side in (1.0, -1.0):
+        whole = side * (0.2 - 0.5 * (t - 0.1) ** 2)
+        read = sensor.recorded(whole, Seen(t, 0.0 * t))
+        assert np.sum(read == read[26]) > 20  # it stays where it was at the peak
+        for first in (10, 25, 30, 40, 60):
+            part = sensor.recorded(whole[first:], Seen(t[first:], 0.0 * t[first:]))
+            np.testing.assert_allclose(part, read[first:], rtol=0.0, atol=1e-12)
+
+
 def test_drift_and_the_base_are_added_to_what_has_come_through_the_play() -> None:
     sensor = LearnedReading(play=0.01, cubic=2.0, drift=1e-3, base=2e-3)
     time, a_x, theta = np.array([0.0, 1.0, 2.0]), np.array([0.0, 3.0, -1.0]), np.array([0.11, 0.21, 0.0])

@@ -6,17 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
-from studies.campaigns import read
+from studies.campaigns import Channel, read
 from studies.laboratory.campaign import make_campaign
 from studies.laboratory.effects import NAMED, UNNAMED, Lab, draw
 from studies.laboratory.event import rubbing
+from studies.laboratory.instruments import Bench, reading
 from studies.laboratory.judge import check, coverage, judge, tracing
 from studies.laboratory.outcomes import make_outcomes
 from studies.laboratory.parameters import G, uniform
 from studies.laboratory.plans import Plan, check_together, respond, used, worn
 from studies.laboratory.prediction import errors, predicted, rms
-from studies.laboratory.table import ramp
+from studies.laboratory.table import Table, ramp
 from studies.laboratory.truth import read_truth
 
 
@@ -134,8 +136,7 @@ def test_every_effect_moves_what_is_recorded(name: str) -> None:
     lab, _ = (NAMED | UNNAMED)[name](LAB, d, 3.0)
     for plan in plans:
         ideal, other = respond(LAB, plan), respond(lab, plan)
-        k = lab.sensors
-        shown = k.rotation_gain * (other.rotation + k.rotation_cubic * other.rotation**3) + k.rotation_offset
+        shown = lab.sensors.reads(other.rotation)
         moved = max(moved, float(np.nanmax(np.abs(shown - ideal.rotation))))
     if name in ("base_motion_gain", "base_motion_lag"):
         assert lab.sensors != LAB.sensors
@@ -205,6 +206,34 @@ def test_grinding_sums_the_squares_of_impact_speeds_from_test_to_test() -> None:
         assert lab.uses[k + 1] == pytest.approx(before[-1], rel=1e-12)
     assert lab.uses[2] > lab.uses[1] > 0.1
     assert used(LAB, plans) is LAB
+
+
+def test_a_loose_linkage_stays_behind_by_its_play() -> None:
+    sensors = replace(LAB.sensors, rotation_play=0.01, rotation_gain=2.0)
+    read = sensors.reads(np.array([0.0, 0.005, 0.03, 0.015, np.nan, 0.0, -0.02]))
+    np.testing.assert_allclose(read, [0.0, 0.0, 0.04, 0.04, np.nan, 0.02, -0.02], atol=1e-15)
+
+
+def test_a_plate_on_springs_answers_as_an_oscillator() -> None:
+    """From rest, by a Runge-Kutta method of SciPy's; the sensor of the base is below it."""
+    h, w = 0.002, 2.0 * math.pi * 12.0
+    plate = Table(plate_frequency=12.0, plate_damping=0.1)
+    t = h * np.arange(1501)
+    ax = ramp(np.random.default_rng(1), 5.0, 6.0).derivative(2, t)
+    there = solve_ivp(
+        lambda s, y: (y[1], -(w**2) * y[0] - 0.2 * w * y[1] - np.interp(s, t, ax)), (0.0, t[-1]), (0.0, 0.0), t_eval=t,
+        rtol=1e-8, atol=1e-12, max_step=h,
+    ).y  # fmt: skip
+    expected = -(w**2) * there[0] - 0.2 * w * there[1]
+    # Straight lines between nodes take (2 pi 5 h)^2 / 12 of what is not there, 3e-4 of 6 m/s^2 and the plate's gain.
+    np.testing.assert_allclose(plate.on_top(ax, h), expected, rtol=0.0, atol=5e-3)
+    assert np.max(np.abs(expected - ax)) > 1.0
+    plan = Plan("b", "forced", 250.0, 400, motion=ramp(np.random.default_rng(1), 5.0, 6.0))
+    bench, channel = Bench((), {}), Channel("base_x", "base_acceleration_x")
+    on_plate, plain = (
+        reading(lab, plan, respond(lab, plan), channel, bench) for lab in (replace(LAB, table=plate), LAB)
+    )
+    np.testing.assert_array_equal(on_plate, plain)
 
 
 def test_a_cable_on_one_side_rubs_beyond_its_lean_alone() -> None:

@@ -110,7 +110,7 @@ def test_what_whole_records_alone_speak_for_has_to_explain_most_of_them(rms, end
 
 
 def explained_trial(chi2, *effects):
-    parts = tuple(SimpleNamespace(effect=effect, slips=False, costly=False) for effect in effects)
+    parts = tuple(SimpleNamespace(effect=effect, slips=False, costly=False, parameters=()) for effect in effects)
     swing = SimpleNamespace(
         chi2=chi2, parameters=effects, samples=10_000, model=SimpleNamespace(declared=None), windows=()
     )
@@ -203,7 +203,9 @@ def test_a_law_that_has_no_name_is_asked_of_whole_records_that_names_miss(monkey
     monkeypatch.setattr(closing, "by_chance", lambda setup, trial: True)
     monkeypatch.setattr(closing, "memories", lambda block, windows: ())
     monkeypatch.setattr(closing, "profiles", lambda block, windows: ())
-    monkeypatch.setattr(closing, "unnamed", lambda block: unnamed(DeclaredBlock(0.2, 0.8, 0.4, 40.0)))
+    pool = unnamed(DeclaredBlock(0.2, 0.8, 0.4, 40.0))
+    monkeypatch.setattr(closing, "unnamed", lambda block: pool)
+    monkeypatch.setattr(closing, "by_itself", lambda simulator, trial: pool)
     monkeypatch.setattr(closing, "explains_more", lambda setup, one, other: says and one == "its")
 
     def search(simulator, onto, pool, tell, leading=False):
@@ -317,7 +319,7 @@ def test_alike_is_what_swings_hardly_tell_from_what_was_learned(monkeypatch):
     found = form("smooth", 4666.0)
     tried = [form("far", 4727.0), form("near upright", 4670.0), form("fine", 4654.0)]
     pool = [SimpleNamespace(name=name) for name in ("smooth", "fine")]
-    monkeypatch.setattr(learning, "_at_hand", lambda onto: pool)
+    monkeypatch.setattr(learning, "_at_hand", lambda simulator, onto: pool)
     monkeypatch.setattr(learning, "open_to", lambda onto, among: list(among))
 
     def search(simulator, onto, among, tell, repeated, leading):
@@ -361,7 +363,8 @@ def test_one_coefficient_takes_the_place_of_two_names_that_swings_and_whole_reco
     monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.0)
     monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
     monkeypatch.setattr(closing, "by_chance", lambda setup, trial: True)
-    monkeypatch.setattr(closing, "unnamed", lambda block: unnamed(DeclaredBlock(0.2, 0.8, 0.4, 40.0)))
+    pool = unnamed(DeclaredBlock(0.2, 0.8, 0.4, 40.0))
+    monkeypatch.setattr(closing, "by_itself", lambda simulator, trial: pool)
     monkeypatch.setattr(closing, "whole_fit", lambda setup, trial, whole: trial)
     monkeypatch.setattr(closing, "explains_more", lambda setup, fitted, other: says and fitted is one)
 
@@ -380,7 +383,7 @@ def test_nothing_is_learned_where_two_effects_leave_what_noise_leaves(monkeypatc
     plain, found = explained_trial(20_000.0), explained_trial(9_000.0, "rounded_edges", "viscous_damping")
     monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.01)
     monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
-    monkeypatch.setattr(closing, "unnamed", lambda block: ())
+    monkeypatch.setattr(closing, "by_itself", lambda simulator, trial: ())
     monkeypatch.setattr(closing, "search", lambda simulator, onto, pool, tell, leading: Round(onto))
     asked = []
     monkeypatch.setattr(closing, "learn", lambda *_, **__: asked.append(1) or plain)

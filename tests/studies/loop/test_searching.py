@@ -6,6 +6,7 @@ import pytest
 
 from studies.loop.search import rounds, searching
 from studies.loop.swings.tracing import Round
+from studies.loop.whole import remaining
 
 
 @pytest.fixture
@@ -61,7 +62,7 @@ def whole_of(told, trial):
 
 
 def path_of(*names, costly=False, chi2=None):
-    parts = tuple(SimpleNamespace(name=n, slips=n == "slide", in_swings=n != "adhesion") for n in names)
+    parts = tuple(SimpleNamespace(name=n, slips=n == "slide", in_swings=n != "adhesion", parameters=()) for n in names)
     chi2 = 10.0 * len(names) if chi2 is None else chi2
     swing = SimpleNamespace(model=None, rms=1.5, chi2=chi2, parameters=(), samples=1000)
     return SimpleNamespace(names=names, effects=names, parts=parts, swing=swing, costly=costly)
@@ -518,7 +519,7 @@ def term(stand_in, monkeypatch):
     monkeypatch.setattr(rounds, "_round", noted)
     monkeypatch.setattr(searching, "all_candidates", lambda model, friction: tuple(pool))
     monkeypatch.setattr(searching, "_without_names", stand_in.without_names)
-    monkeypatch.setattr(searching, "unnamed", lambda block: ("those without a name",))
+    monkeypatch.setattr(searching, "by_itself", lambda simulator, trial: ("those without a name",))
     monkeypatch.setattr(searching, "search", search)
     monkeypatch.setattr(searching, "over_noise", lambda setup, trial: stand_in.left)
     monkeypatch.setattr(searching, "unexplained", lambda setup: 1.05)
@@ -582,6 +583,20 @@ def test_names_are_searched_for_to_the_end_unless_the_coefficient_has_all_for_it
     assert found.term is None
     assert ["both", "a", "b"] in term.pools if asked else ["both", "a", "b"] not in term.pools
     assert term.pools[-1] == ["both", "a", "b", "rough"]
+
+
+def test_two_names_that_explain_all_give_way_to_one_coefficient_that_whole_records_prefer(term):
+    """A plate of 13 Hz was named as pitch with a late record: 1.03 was left of the swings, 1.9 of whole records."""
+    term.enough, term.whole_prefers = term.accepted[("both",), True], ("learned[side]",)
+    assert term.searched().term is term.found
+
+
+@pytest.mark.parametrize(("left", "its_whole", "taken"), [(1.3, 1.0, True), (1.3, 1.2, False), (1.6, 1.0, False)])
+def test_behind_a_sensor_with_play_whole_records_say_what_swings_leave(term, left, its_whole, taken):
+    """Play of 2.2 mrad left 1.22 of the noise of swings: where in the gap they begin is told but roughly."""
+    term.left, term.its_whole = left, its_whole
+    term.found.parts[0].parameters = (SimpleNamespace(name=remaining.PLAY),)
+    assert (term.searched().term is term.found) is taken
 
 
 def test_no_coefficient_is_asked_for_where_the_first_effect_explains_all(term, monkeypatch):
