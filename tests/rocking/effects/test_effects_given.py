@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from rocking import Block, Method1, Method2, solve
+from rocking.effect import OF_THE_SENSOR
 from rocking.effects import available, compose, load, parse
 
 BLOCK = Block(b=0.2, h=0.8)
@@ -81,7 +82,7 @@ def test_an_effect_is_given_once() -> None:
         solve(Method1(BLOCK), t_end=0.1, effects=[load("base_tilt")(angle=0.01)] * 2)
 
 
-ON_THE_BLOCK = [name for name in available() if load(name).ways() - {"base_motion", "reading"}]
+ON_THE_BLOCK = [name for name in available() if load(name).ways() - {"base_motion", *OF_THE_SENSOR}]
 ELSEWHERE = [name for name in available() if name not in ON_THE_BLOCK]
 
 

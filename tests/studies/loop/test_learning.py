@@ -347,7 +347,7 @@ def test_states_that_go_on_are_not_tried_for_the_little_that_terms_leave(
     )  # fmt: skip
     trial: Any = SimpleNamespace(swing=swing, names=(), parts=())
     asked = []
-    monkeypatch.setattr(learning, "_at_hand", lambda onto: ())
+    monkeypatch.setattr(learning, "_at_hand", lambda simulator, onto: ())
     monkeypatch.setattr(learning, "inner", lambda block, released: ())
     monkeypatch.setattr(learning, "_grown", lambda _, onto, pools, *__: asked.append(len(pools)) or onto)
     simulator: Any = SimpleNamespace(tests=())

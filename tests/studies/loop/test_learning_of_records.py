@@ -12,6 +12,7 @@ from studies.laboratory.parameters import G
 from studies.loop import closing
 from studies.loop.prediction import predict
 from studies.loop.records.preparing import as_declared, prepare
+from studies.loop.runs.simulation import NEVER
 from studies.loop.search import learning_of_records
 from studies.loop.search.learning_of_records import forms, unseen
 from studies.loop.swings.tracing import Round, baseline
@@ -127,7 +128,7 @@ def test_nothing_is_learned_where_no_start_leads_anywhere_or_nothing_is_predicta
 @pytest.mark.parametrize(("kinds", "strained"), [(("ramp", "free"), True), (("ramp",), False)])
 def test_forms_have_few_coefficients_and_none_is_an_effect_with_a_name(kinds, strained):
     noise = np.full(3, 1e-4)
-    windows = (SimpleNamespace(noise=noise, accelerometers=False, theta=0.1),)
+    windows = (SimpleNamespace(noise=noise, accelerometers=False, theta=0.1, struck=NEVER),)
     plain = SimpleNamespace(swing=SimpleNamespace(model=SimpleNamespace(declared=BLOCK), windows=windows))
     setup = SimpleNamespace(simulator=SimpleNamespace(tests=[SimpleNamespace(kind=kind) for kind in kinds]))
     found = {c.name: c for c in forms(setup, plain)}
