@@ -16,11 +16,11 @@ from rocking.effects.learned_curve import EVEN, ODD, curve, numbers
 from rocking.effects.learned_damping import DAMPING
 from rocking.effects.learned_friction import FRICTION
 from rocking.effects.learned_reading import MARKS, LearnedReading
-from studies.loop.learned_in_time import answer, by_parameters, loop, ringing, there_and_back
+from studies.loop.learned_in_time import amplification, answer, by_parameters, loop, ringing, there_and_back
 from studies.loop.models.model import DRIFT, FADING, LoopModel
 from studies.loop.observed.windows import struck_before
 from studies.loop.records.preparing import Setup
-from studies.loop.swings.learning import CURVE, HYSTERESIS, LOSS, MEMORY, MODE, READING, RUBBING, TERM
+from studies.loop.swings.learning import BASE, CURVE, HYSTERESIS, LOSS, MEMORY, MODE, READING, RUBBING, TERM
 from studies.loop.whole.settling import Settled
 
 Array = NDArray[np.float64]
@@ -150,7 +150,7 @@ def curves(setup: Setup, settled: Settled) -> tuple[Curve, ...]:
 
 
 def _in_time(setup: Setup, settled: Settled, held: Mapping[str, int]) -> list[Curve]:
-    """A mass that swings, and what slips or creeps."""
+    """A mass that swings, a plate under the block, and what slips or creeps."""
     model, found = settled.whole.model, []
 
     def drawn(effect: str, part: _Part, x: Array, draw: Callable[[LoopModel], Array]) -> Curve:
@@ -166,6 +166,14 @@ def _in_time(setup: Setup, settled: Settled, held: Mapping[str, int]) -> list[Cu
         )  # fmt: skip
         times = ringing(model)
         found.append(drawn(MODE, part, times, lambda m: answer(m, times)))
+    if f"{BASE}.frequency" in held:
+        part = _Part(
+            "A plate under the block",
+            "Its acceleration over that which the sensor of the base records, in steady shaking.",
+            "frequency [Hz]", "amplification [1]", {},
+        )  # fmt: skip
+        x = np.linspace(0.0, 2.0 * model.get(f"{BASE}.frequency"), POINTS)
+        found.append(drawn(BASE, part, x, lambda m: amplification(m, x)))
     if f"{HYSTERESIS}.stiffness" in held:
         part = _Part(
             "Torque that lags, against rotation",

@@ -1,4 +1,4 @@
-"""What learned effects with states of their own look like: how a mass inside answers, how a torque lags.
+"""What learned effects with states of their own look like: how a mass or a plate answers, how a torque lags.
 
 Each is drawn as what it does to the block in one plain motion, with a 95 % band to first order in what was fitted.
 """
@@ -12,6 +12,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
+from rocking.effects.learned_base import LearnedBase
 from rocking.hybrid import REST, Base, Discrete
 from rocking.hysteretic import HystereticBlock
 from rocking.inner_mass import BlockWithInnerMass, inside
@@ -80,6 +81,14 @@ def loop(model: LoopModel, reach: float) -> Array:
         z += (omega - rate * z) * share
         strain.append(z)
     return -par.stiffness * np.array(strain)[::STEPS] / system.rigid.form.angular_inertia(1.0)
+
+
+def amplification(model: LoopModel, frequency: Array) -> Array:
+    """Acceleration of a plate under the block over that below it [1], of sinusoids of these frequencies [Hz]."""
+    plate = model.effects[LearnedBase.name]
+    r = frequency / plate["frequency"]
+    lag = 2j * plate["damping_ratio"] * r
+    return np.asarray(np.abs((1.0 + lag) / (1.0 - r**2 + lag)))
 
 
 def by_parameters(draw: Callable[[LoopModel], Array], model: LoopModel, names: list[str]) -> Array:

@@ -206,6 +206,18 @@ def test_wear_is_drawn_over_the_use_of_the_campaign(exponent, label):
     assert finding.later(finding.before).effects == finding.before.effects
 
 
+def test_a_plate_is_drawn_by_what_it_makes_of_sinusoids():
+    """At its own frequency f it answers sqrt(1 + 1 / (2 z)^2) times, at sqrt(2) f once, whatever its damping z."""
+    values = {"learned_base.frequency": 10.0, "learned_base.damping_ratio": 0.1}
+    [curve] = retold(values, np.diag([0.0, 1e-6])).learned
+    assert curve.x[0] == 0.0 and curve.y[0] == 1.0 and curve.x[-1] == 20.0
+    at = np.interp([10.0, 10.0 * math.sqrt(2.0)], curve.x, curve.y)
+    np.testing.assert_allclose(at, [math.sqrt(1.0 + 25.0), 1.0], rtol=2e-3)
+    k = np.argmin(np.abs(curve.x - 10.0))
+    # d/dz sqrt(1 + 1 / (2 z)^2) = -1 / (4 z^3 sqrt(1 + 1 / (2 z)^2)).
+    assert curve.high[k] - curve.y[k] == pytest.approx(1.96 * 1e-3 * 250.0 / math.sqrt(26.0), rel=1e-3)
+
+
 def test_friction_is_drawn_from_the_end_on_one_side_to_that_on_the_other():
     ends = {"low": -0.1, "high": 0.2, "intervals": 1.0}
     values = {f"learned_friction.{name}": value for name, value in ends.items()}
