@@ -39,8 +39,8 @@ def figure(ds: xr.Dataset) -> Figure:
         "lift-off",
         "After Fig. 2 of Winkler, Meguro & Yamazaki (1995): Block 2 (22.5 × 75 cm) of distinct elements on a table "
         f"that shakes harder and harder, at {ds.attrs['shown_frequency']:g} Hz; pickup at the middle of the top, noise "
-        f"of {ds.attrs['noise']:g} m/s². Notice: first impacts drown in the noise, so the start is read a little late, "
-        "never early (lower right: all frequencies, three seeds of the noise).",
+        f"of {ds.attrs['noise']:g} m/s². Notice: first impacts drown in the noise, so the start is read a little late "
+        "(lower right: all frequencies, three seeds of the noise).",
         1.5,
         start=5.0,
     )

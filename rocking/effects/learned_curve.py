@@ -16,6 +16,7 @@ Status      against SciPy's natural splines, and the absent value (tests)
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import fields, make_dataclass
 from typing import Any, ClassVar
 
@@ -58,6 +59,27 @@ def numbers(reach: float, coefficients: tuple[float, ...]) -> tuple[float, ...]:
     return (reach / n, float(n), *ends, *(0.0,) * (COUNT - HEAD - len(ends)))
 
 
+class Tabulated(Effect):
+    """An effect of many coefficients, which tells of those that are given."""
+
+    def __repr__(self) -> str:
+        own = fields(self)  # type: ignore[arg-type]
+        given = [(f.name, getattr(self, f.name)) for f in own if getattr(self, f.name) != f.default]
+        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in given)})"
+
+
+def tabulated(names: Sequence[tuple[str, float]]) -> Any:
+    """A class with these parameters and their default values, for an effect to be made of."""
+    own = [(name, float, value) for name, value in names]
+    return make_dataclass("_Coefficients", own, bases=(Tabulated,), frozen=True, repr=False)
+
+
+def rising(effect: Any) -> None:
+    """ValueError unless a curve from low to high begins before it ends."""
+    if not effect.low < effect.high:
+        raise ValueError(f"{effect.name}.low={effect.low!r} rad: want less than high={effect.high!r}")
+
+
 def none_beyond(effect: Effect, intervals: str, names: tuple[str, ...]) -> None:
     """Of a curve's coefficients those after the last of its intervals are left at zero.
 
@@ -79,7 +101,7 @@ _FIELDS: list[tuple[str, float]] = []
 for _kind, _names in (("odd", ODD), ("even", EVEN)):
     _FIELDS += [(f"{_kind}_reach", 1.0), (f"{_kind}_intervals", float(MOST)), *((name, 0.0) for name in _names)]
 
-_Coefficients: Any = make_dataclass("_Coefficients", [(n, float, v) for n, v in _FIELDS], bases=(Effect,), frozen=True)
+_Coefficients: Any = tabulated(_FIELDS)
 
 
 class LearnedCurve(_Coefficients):
@@ -98,10 +120,6 @@ class LearnedCurve(_Coefficients):
         super().__post_init__()
         for kind, names in (("odd", ODD), ("even", EVEN)):
             none_beyond(self, f"{kind}_intervals", names)
-
-    def __repr__(self) -> str:
-        given = [(f.name, getattr(self, f.name)) for f in fields(self) if getattr(self, f.name) != f.default]
-        return f"LearnedCurve({', '.join(f'{name}={value!r}' for name, value in given)})"
 
     def values(self, form: Form) -> tuple[float, ...]:
         """The numbers of both curves."""

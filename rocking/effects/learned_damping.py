@@ -13,11 +13,9 @@ Status      a constant curve against viscous damping, SciPy's splines by way of 
 from __future__ import annotations
 
 import math
-from dataclasses import fields, make_dataclass
 from typing import Any, ClassVar
 
-from rocking.effect import Effect
-from rocking.effects.learned_curve import MOST, curve, none_beyond, numbers
+from rocking.effects.learned_curve import MOST, curve, none_beyond, numbers, tabulated
 from rocking.form import Form
 
 DAMPING = tuple(f"damping_{j}" for j in range(MOST + 1))
@@ -31,7 +29,7 @@ def torque(xp: Any, theta: Any, omega: Any, s: Any, base: Any, values: Any) -> A
 
 _FIELDS: list[tuple[str, float]] = [("reach", 1.0), ("intervals", float(MOST)), *((name, 0.0) for name in DAMPING)]
 
-_Coefficients: Any = make_dataclass("_Coefficients", [(n, float, v) for n, v in _FIELDS], bases=(Effect,), frozen=True)
+_Coefficients: Any = tabulated(_FIELDS)
 
 
 class LearnedDamping(_Coefficients):
@@ -48,10 +46,6 @@ class LearnedDamping(_Coefficients):
     def __post_init__(self) -> None:
         super().__post_init__()
         none_beyond(self, "intervals", DAMPING)
-
-    def __repr__(self) -> str:
-        given = [(f.name, getattr(self, f.name)) for f in fields(self) if getattr(self, f.name) != f.default]
-        return f"LearnedDamping({', '.join(f'{name}={value!r}' for name, value in given)})"
 
     def values(self, form: Form) -> tuple[float, ...]:
         """The numbers of the curve."""

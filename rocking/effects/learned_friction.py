@@ -15,11 +15,9 @@ Status      a constant and a straight curve against the friction of the learned 
 from __future__ import annotations
 
 import math
-from dataclasses import fields, make_dataclass
 from typing import Any, ClassVar
 
-from rocking.effect import Effect
-from rocking.effects.learned_curve import MOST, curve, none_beyond, numbers
+from rocking.effects.learned_curve import MOST, curve, none_beyond, numbers, rising, tabulated
 from rocking.effects.learned_term import SMOOTH
 from rocking.form import Form
 
@@ -36,7 +34,7 @@ _FIELDS: list[tuple[str, float]] = [
     ("low", -1.0), ("high", 1.0), ("intervals", float(MOST)), *((name, 0.0) for name in FRICTION),
 ]  # fmt: skip
 
-_Coefficients: Any = make_dataclass("_Coefficients", [(n, float, v) for n, v in _FIELDS], bases=(Effect,), frozen=True)
+_Coefficients: Any = tabulated(_FIELDS)
 
 
 class LearnedFriction(_Coefficients):
@@ -54,12 +52,7 @@ class LearnedFriction(_Coefficients):
     def __post_init__(self) -> None:
         super().__post_init__()
         none_beyond(self, "intervals", FRICTION)
-        if not self.low < self.high:
-            raise ValueError(f"learned_friction.low={self.low!r} rad: want less than high={self.high!r}")
-
-    def __repr__(self) -> str:
-        given = [(f.name, getattr(self, f.name)) for f in fields(self) if getattr(self, f.name) != f.default]
-        return f"LearnedFriction({', '.join(f'{name}={value!r}' for name, value in given)})"
+        rising(self)
 
     def values(self, form: Form) -> tuple[float, ...]:
         """Where the curve begins, and its numbers."""

@@ -23,15 +23,14 @@ Status      by hand, against SciPy's natural splines, and learned from decays of
 from __future__ import annotations
 
 import math
-from dataclasses import fields, make_dataclass
 from functools import cache, cached_property
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rocking.effect import Effect, Seen
-from rocking.effects.learned_curve import none_beyond
+from rocking.effect import Seen
+from rocking.effects.learned_curve import none_beyond, rising, tabulated
 
 MOST = 32
 """Intervals of the curve at most."""
@@ -45,7 +44,7 @@ _FIELDS = [
     *((name, 0.0) for name in MARKS),
 ]  # fmt: skip
 
-_Coefficients: Any = make_dataclass("_Coefficients", [(n, float, v) for n, v in _FIELDS], bases=(Effect,), frozen=True)
+_Coefficients: Any = tabulated(_FIELDS)
 
 
 class LearnedReading(_Coefficients):
@@ -67,12 +66,7 @@ class LearnedReading(_Coefficients):
     def __post_init__(self) -> None:
         super().__post_init__()
         none_beyond(self, "intervals", MARKS)
-        if not self.low < self.high:
-            raise ValueError(f"learned_reading.low={self.low!r} rad: want less than high={self.high!r}")
-
-    def __repr__(self) -> str:
-        given = [(f.name, getattr(self, f.name)) for f in fields(self) if getattr(self, f.name) != f.default]
-        return f"LearnedReading({', '.join(f'{name}={value!r}' for name, value in given)})"
+        rising(self)
 
     @cached_property
     def _curve(self) -> Any:

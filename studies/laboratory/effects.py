@@ -59,7 +59,7 @@ class Lab:
     sensors: Sensors = field(default_factory=Sensors)
     engine: str = "event"
     wear: float = 0.0  # loss of restitution from one test to the next
-    uses: tuple[float, ...] = ()  # rad^2/s^2, of a block that is ground: use before each test, in order
+    uses: tuple[float, ...] = ()  # rad^2/s^2, of a block that is ground: use before each test in order, and after all
     grip: float = GRIPS  # friction of corners on springs
 
 

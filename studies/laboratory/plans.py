@@ -68,14 +68,14 @@ def worn(lab: Lab, order: int) -> Lab:
 
 
 def used(lab: Lab, plans: Iterable[Plan]) -> Lab:
-    """The laboratory with what impacts take in each of these tests, done one after the other, from the first on."""
+    """The laboratory with what impacts have taken before each of these tests, all from the first on, and after them."""
     if not lab.world.grind:
         return lab
     uses = [0.0]
     for plan in plans:
         hits = respond(replace(lab, uses=(*[0.0] * plan.order, uses[-1])), plan).impacts
         uses.append(uses[-1] + float(np.sum(hits[:, 1] ** 2)))
-    return replace(lab, uses=tuple(uses[:-1]))
+    return replace(lab, uses=tuple(uses))
 
 
 def respond(lab: Lab, plan: Plan) -> Response:

@@ -6,9 +6,8 @@ A motion is a displacement: a sum of sines in an envelope of class C4, so that a
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from math import comb, pi
+from math import comb, inf, isinf, pi
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -110,12 +109,12 @@ class Table:
     vertical: float = 0.0
     vertical_second: float = 0.0
     vertical_phase: float = 0.0  # of the second harmonic, rad
-    plate_frequency: float = math.inf  # Hz
+    plate_frequency: float = inf  # Hz
     plate_damping: float = 0.05  # over critical
 
     def on_top(self, ax: Array, h: float) -> Array:
         """Acceleration of the plate [m/s^2] for that of the table, from rest; nodes at `h` [s]."""
-        if math.isinf(self.plate_frequency):
+        if isinf(self.plate_frequency):
             return ax
         pad = 4 * ax.size  # until the plate has come to rest again
         spectrum = np.fft.rfft(np.concatenate([ax, np.zeros(pad)]))

@@ -33,7 +33,6 @@ class Candidate:
     fixed: Mapping[str, float]
     smooth: bool = True  # whether it has a derivative at its absent value: a score says something
     in_swings: bool = True  # whether swings show it; else whole records alone do
-    extra: bool = False  # a form that is tried only where nothing simpler explains the data
     slips: bool = False  # whether a window begins with a slip that no rotation shows and that is carried over to it
     scanned: tuple[Mapping[str, float], ...] = ()  # values at which whole records are tried where swings do not tell
     replaces_restitution: bool = False  # whether the loss of an impact follows from its own parameters
@@ -67,13 +66,13 @@ def _block(declared: DeclaredBlock):  # type: ignore[no-untyped-def]
 
 def _one(
     effect: str, name: str, scale: float, starts: Sequence[float], low: float, high: float, *, log: bool = False,
-    label: str = "", fixed: Mapping[str, float] | None = None, smooth: bool = True, extra: bool = False,
+    label: str = "", fixed: Mapping[str, float] | None = None, smooth: bool = True,
 ) -> Candidate:  # fmt: skip
     full = f"{effect}.{name}"
     held = {f"{effect}.{key}": value for key, value in (fixed or {}).items()}
     return Candidate(
         label or effect, effect, (Parameter(full, scale, low, high, log),), tuple({full: v} for v in starts), held,
-        smooth, extra=extra,
+        smooth,
     )  # fmt: skip
 
 

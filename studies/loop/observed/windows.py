@@ -34,6 +34,9 @@ SIDE = Channel("side", "rotation")
 
 ANY_SIDE = 9
 
+SHARPEST = 1e-12
+"""Least variance of the square of a speed [rad^4/s^4]: a record without noise says nothing for certain either."""
+
 BY_THE_BASE = 0.5
 """Share by which shaking may change the square of a speed, one standard deviation."""
 
@@ -149,7 +152,7 @@ def squares_of_speeds(found: Segmentation, block: DeclaredBlock, shaken: bool) -
     for i in found.impacts:
         if math.isfinite(i.before) and math.isfinite(i.before_sd):
             seen[i.swing] = i.before**2 - i.before_sd**2
-            variance[i.swing] = (2.0 * i.before * i.before_sd) ** 2 + i.before_sd**4
+            variance[i.swing] = max((2.0 * i.before * i.before_sd) ** 2 + i.before_sd**4, SHARPEST)
     weighed = float(np.sum(fallen**2 / variance))
     squares = fallen * (max(float(np.sum(fallen * seen / variance)) / weighed, 0.0) if weighed > 0.0 else 1.0)
     if shaken:

@@ -121,7 +121,7 @@ class Struck(NamedTuple):
 
     def use(self, exponent: float) -> float:
         """Sum of |omega|^exponent over all [(rad/s)^exponent], of exponents 0 and 2."""
-        return self.squares if exponent == 2.0 else float(self.in_all)
+        return {0.0: float(self.in_all), 2.0: self.squares}[exponent]
 
 
 NEVER = Struck(0, LONG_AGO)

@@ -24,6 +24,7 @@ from studies.loop.swings.learning import by_itself, terms
 from studies.loop.swings.tracing import PAYS, Round, Trial, all_candidates, bic, floor_promises, pays, search
 from studies.loop.whole.remaining import (
     CLOSELY,
+    begins_roughly,
     by_chance,
     declared_noise,
     explains,
@@ -44,7 +45,8 @@ MOST_IN_PLACE_OF_THE_FIRST = 2
 NOT_ON_TOP = "floors that give were not tried on top of this; runs take long"
 
 MUCH_OVER_NOISE = 1.5
-"""What a coefficient without a name leaves of swings over their noise beyond which whole records are not asked."""
+"""What is left of swings over their noise, where it is told but roughly how they begin, up to which whole records are
+asked."""
 
 ONE_TERM = "one coefficient without a name leaves nothing over the noise, nor of whole records; runs take long"
 
@@ -134,9 +136,10 @@ def _one_term_is_enough(setup: Setup, plain: Trial, tell: Tell) -> bool:
 
 def _enough(setup: Setup, term: Trial) -> Fit | None:
     """The fit of a coefficient on whole records, if it explains them and the swings."""
-    whole = whole_fit(setup, term) if over_noise(setup, term) < MUCH_OVER_NOISE else None
-    if whole is None or (over_noise(setup, term) > unexplained(setup) and not roughly_begun(setup, term, whole)):
+    most = MUCH_OVER_NOISE if begins_roughly(term) else unexplained(setup)
+    if over_noise(setup, term) > most:
         return None
+    whole = whole_fit(setup, term)
     return whole if whole.rms < (MISSED if by_chance(setup, term) else CLOSELY) else None
 
 

@@ -2,10 +2,11 @@
 
 Each coefficient of `rocking.effects.learned_term`, a drift of restitution from test to test, the curves of
 `rocking.effects.learned_curve`, `rocking.effects.learned_damping` and `rocking.effects.learned_friction`, the
-restitution with a memory of `rocking.effects.learned_memory`, the bends of the sensor of
-`rocking.effects.learned_reading`, the mass inside of `rocking.effects.learned_mode` and the torque that lags of
-`rocking.effects.learned_hysteresis` are parameters whose default is nothing, fitted with the same machinery as the
-effects. The greedy search stops when the next one does not lower the residual by `LEAST_GAIN`.
+restitution with a memory of `rocking.effects.learned_memory`, what is off in a rotation sensor of
+`rocking.effects.learned_reading`, the plate of `rocking.effects.learned_base`, the mass inside of
+`rocking.effects.learned_mode` and the torque that lags of `rocking.effects.learned_hysteresis` are parameters whose
+default is nothing, fitted with the same machinery as the effects. The greedy search stops when the next one does not
+lower the residual by `LEAST_GAIN`.
 
 Status   two modes, and two of what swings, yields or remembers at once, are outside of the span.
 """

@@ -96,8 +96,12 @@ def roughly_begun(setup: Setup, trial: Trial, whole: Fit) -> bool:
     from a lean or from rest, of which nothing is unknown: where these are met closely, what is left of swings says
     nothing.
     """
-    rough = trial.costly or any(p.name == PLAY for part in trial.parts for p in part.parameters)
-    return rough and setup.by_rotation and whole.rms < CLOSELY
+    return begins_roughly(trial) and setup.by_rotation and whole.rms < CLOSELY
+
+
+def begins_roughly(trial: Trial) -> bool:
+    """Whether it is told but roughly how a swing begins."""
+    return trial.costly or any(p.name == PLAY for part in trial.parts for p in part.parameters)
 
 
 def missed(whole: Fit) -> bool:

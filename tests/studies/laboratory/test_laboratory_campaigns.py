@@ -205,6 +205,9 @@ def test_grinding_sums_the_squares_of_impact_speeds_from_test_to_test() -> None:
         np.testing.assert_allclose(np.abs(hits[:, 2] / hits[:, 1]), kept, rtol=1e-12)
         assert lab.uses[k + 1] == pytest.approx(before[-1], rel=1e-12)
     assert lab.uses[2] > lab.uses[1] > 0.1
+    # A test that is added begins with all of it.
+    last = respond(lab, plans[2]).impacts
+    assert worn(lab, 3).world.used == pytest.approx(lab.uses[2] + float(np.sum(last[:, 1] ** 2)), rel=1e-12)
     assert used(LAB, plans) is LAB
 
 
