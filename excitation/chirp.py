@@ -38,10 +38,18 @@ def _acceleration(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
 def _angle(xp: Any, t: Any, par: Any) -> Any:
     """Argument of the sine [rad]."""
     within = xp.minimum(xp.maximum(t, 0.0), par[5])
-    rate = xp.where(par[2] == 0.0, 1.0, par[2])
-    logarithmic = par[0] / rate * (xp.exp(par[2] * within) - 1.0)
-    linear = (par[0] + 0.5 * par[1] * within) * within
-    return 2.0 * math.pi * xp.where(par[2] == 0.0, linear, logarithmic) + par[3]
+    # One of slope and log rate is zero.
+    mean = par[0] * _mean_exp(xp, par[2] * within) + 0.5 * par[1] * within
+    return 2.0 * math.pi * (mean * within) + par[3]
+
+
+def _mean_exp(xp: Any, x: Any) -> Any:
+    """(exp(x) - 1)/x to rounding: the difference loses its digits where x is small, ten terms of the series do not."""
+    small = xp.abs(x) < 0.1
+    series = 1.0 + 0.0 * x
+    for n in range(10, 1, -1):
+        series = 1.0 + x / n * series
+    return xp.where(small, series, (xp.exp(x) - 1.0) / xp.where(small, 1.0, x))
 
 
 def _snap(xp: Any, t: Any, par: Any) -> Any:

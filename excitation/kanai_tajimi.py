@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from excitation.checks import not_negative, positive, real
+from excitation.checks import not_negative, positive, real, whole
 from excitation.record import Record
 
 
@@ -79,12 +79,13 @@ class KanaiTajimi:
 
         Args:
             time_step: [s], positive, below half of the duration; frequencies up to 1/(2 time_step) are in it.
-            seed: of the phases; the same seed gives the same motion.
+            seed: of the phases, a whole number, 0 or more; the same seed gives the same motion.
 
         Raises:
-            ValueError: the step is not positive or too long.
+            ValueError: the step is not positive or too long, or the seed is none.
         """
         positive("time_step", time_step, "s")
+        whole("seed", seed, 0)
         if time_step > 0.5 * self.duration:
             raise ValueError(f"time_step={time_step!r} s: want at most half of duration={self.duration!r} s")
         count = round(self.duration / time_step) + 1

@@ -24,6 +24,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from excitation.checks import numbers
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -36,7 +38,7 @@ def _level(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
 
 
 def _times(t: ArrayLike) -> FloatArray:
-    times = np.asarray(t, dtype=np.float64)
+    times = numbers("t", t)
     if not np.all(np.isfinite(times)):
         raise ValueError(f"t={t!r}: want finite times [s]")
     return times
@@ -46,7 +48,7 @@ class Motion(ABC):
     """A prescribed motion of the base.
 
     Calling it evaluates it: `a_x, a_z = motion(t)` with `t` [s] of any shape gives two float64 arrays [m/s^2] of that
-    shape.  Raises ValueError if `t` holds a value that is not finite.
+    shape.  Raises ValueError if `t` holds a value that is no finite number.
     """
 
     @staticmethod
@@ -93,7 +95,7 @@ class Motion(ABC):
         """Values at the times `t` [s], shape (time,), as a dataset with units; see `excitation.from_xarray`."""
         import xarray as xr
 
-        times = np.atleast_1d(np.asarray(t, dtype=np.float64))
+        times = np.atleast_1d(_times(t))
         a_x, a_z = self(times)
         pitch, pitch_acceleration = self.pitch(times)
         columns = {

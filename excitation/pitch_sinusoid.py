@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from excitation.checks import finite, not_zero, positive
 from excitation.envelopes import modulated, window_rates
 from excitation.motion import Motion
-from excitation.steady_sinusoid import taper_breakpoints
+from excitation.steady_sinusoid import check_tapers, taper_breakpoints
 
 
 def _still(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
@@ -74,8 +74,7 @@ class SinusoidalPitch(Motion):
         for name in ("taper_in", "taper_out"):
             if getattr(self, name) is not None:
                 positive(name, getattr(self, name), "s")
-        if sum(self.tapers) > self.duration:
-            raise ValueError(f"taper_in + taper_out={sum(self.tapers)!r} s: want at most duration={self.duration!r} s")
+        check_tapers(*self.tapers, self.duration)
 
     @property
     def tapers(self) -> tuple[float, float]:

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from excitation.checks import between, not_negative, positive
+from excitation.checks import between, not_negative, positive, whole
 from excitation.record import Record
 
 RADIATION, PARTITION, FREE_SURFACE = 0.55, 1.0 / math.sqrt(2.0), 2.0
@@ -96,9 +96,11 @@ class PointSource:
     def record(self, time_step: float, seed: int) -> Record:
         """One motion; the same seed gives the same one.
 
-        Raises ValueError unless `time_step` [s] is positive and at most a tenth of the duration.
+        Raises ValueError unless `time_step` [s] is positive and at most a tenth of the duration, and `seed` a whole
+        number, 0 or more.
         """
         positive("time_step", time_step, "s")
+        whole("seed", seed, 0)
         if time_step > 0.1 * self.duration:
             raise ValueError(f"time_step={time_step!r} s: want at most a tenth of the duration, {self.duration:g} s")
         count = math.ceil(1.5 * WINDOW_LENGTH * self.duration / time_step)

@@ -50,7 +50,7 @@ class RectangularPulse(Motion):
 
     @property
     def end(self) -> float:
-        """Time [s] from which the base is at rest."""
+        """Time [s] after which the base is at rest."""
         return self.start + self.duration
 
     @cached_property

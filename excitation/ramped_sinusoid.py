@@ -3,7 +3,7 @@
     a_x(t) = E(t) sin(2 pi f t + phase),   E(t) = A min(t / T, 1) (1 + r(t)) c(t),   0 <= t <= T + hold + taper
 
 The amplitude may be held for a while after the ramp and then taken back to zero by c(t), half a cosine wave; without
-hold and taper the base is at rest from T on.
+hold and taper the base is at rest after T.
 
 Source   base motion of the shaking-table tests of Winkler, Meguro & Yamazaki (1995), section "Shaking table
          experiments"; the departure r(t) stands for their remark (section "The effect of slenderness") that a constant
@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from excitation.checks import finite, not_negative, positive, real
+from excitation.checks import finite, not_negative, positive, real, whole
 from excitation.envelopes import MAX_IMPERFECTION, departure, falling
 from excitation.motion import Motion
 
@@ -53,7 +53,7 @@ class RampedSinusoid(Motion):
         phase: phase of the sine [rad].
         imperfection: size of the smooth random departure of the envelope, as its rms share of the straight
             line (and of the held one) until the end; 0 (off) to 0.25.
-        seed: seed of the departure; the same seed gives the same motion.
+        seed: seed of the departure, a whole number, 0 or more; the same seed gives the same motion.
         hold: time [s] for which the final amplitude is kept after the ramp.
         taper: time [s] in which it then goes back to zero.
         imperfection_period: shortest period [s] in the departure; `duration / 10` if not given.
@@ -80,6 +80,7 @@ class RampedSinusoid(Motion):
         finite("phase", self.phase, "rad")
         if not 0.0 <= real(self.imperfection) <= MAX_IMPERFECTION:
             raise ValueError(f"imperfection={self.imperfection!r}: want 0 to {MAX_IMPERFECTION}")
+        whole("seed", self.seed, 0)
         not_negative("hold", self.hold, "s")
         not_negative("taper", self.taper, "s")
         period = self.imperfection_period
@@ -102,7 +103,7 @@ class RampedSinusoid(Motion):
 
     @property
     def end(self) -> float:
-        """Time [s] from which the base is at rest."""
+        """Time [s] after which the base is at rest."""
         return self.duration + self.hold + self.taper
 
     @property
@@ -122,5 +123,5 @@ class RampedSinusoid(Motion):
         return 0.05 / self.frequency
 
     def envelope(self, t: ArrayLike) -> NDArray[np.float64]:
-        """Amplitude E(t) [m/s^2] of the sine, any shape; zero before 0 and from `end` on."""
+        """Amplitude E(t) [m/s^2] of the sine, any shape; zero before 0 and after `end`."""
         return np.asarray(_envelope(np, np.asarray(t, dtype=np.float64), self.parameters))

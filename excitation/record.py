@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from excitation.checks import positive, samples
+from excitation.checks import between, positive, samples
 from excitation.sampled import PiecewiseLinear, SampledMotion
 
 if TYPE_CHECKING:
@@ -35,7 +35,8 @@ class Record:
         time_step: time between samples [s], positive.
         acceleration: [m/s^2], shape (time,), two samples or more.
         component: the direction as the source names it: `N-S`, `90`, `UP`.
-        azimuth_deg: direction of the positive axis, degrees clockwise from north; None if vertical or unknown.
+        azimuth_deg: direction of the positive axis, degrees clockwise from north, 0 to 360; None if vertical or
+            unknown.
         vertical: whether it is the vertical component, positive upward.
         station, event, start_time: as the source states them; start_time in ISO 8601, UTC; empty if not stated.
         source: name of the file or the recipe it was made with.
@@ -45,7 +46,8 @@ class Record:
         metadata: the rest of what the header says, as text.
 
     Raises:
-        ValueError: a sample is not finite, there are fewer than two, or `time_step` is not positive.
+        ValueError: a sample is not finite, there are fewer than two, `time_step` is not positive, or the azimuth is not
+            from 0 to 360.
     """
 
     time_step: float
@@ -64,6 +66,8 @@ class Record:
 
     def __post_init__(self) -> None:
         positive("time_step", self.time_step, "s")
+        if self.azimuth_deg is not None:
+            between("azimuth_deg", self.azimuth_deg, 0.0, 360.0, "deg")
         object.__setattr__(self, "acceleration", samples("acceleration", self.acceleration))
 
     def __repr__(self) -> str:

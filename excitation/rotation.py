@@ -24,6 +24,19 @@ DEFAULT_ANGLES = 180
 """Directions from 0 to just below 180 degrees: one a degree."""
 
 
+def _check_pair(first: Record, second: Record) -> None:
+    """Raise ValueError unless both are horizontal, at right angles where azimuths are known, and sampled alike."""
+    same_sampling(first, second)
+    for name, record in (("first", first), ("second", second)):
+        if record.vertical:
+            raise ValueError(f"{name}={record!r}: is vertical, want a horizontal record")
+    if first.azimuth_deg is None or second.azimuth_deg is None:
+        return
+    apart = (second.azimuth_deg - first.azimuth_deg) % 360.0
+    if min(abs(apart - 90.0), abs(apart - 270.0)) > 1e-6:
+        raise ValueError(f"azimuth_deg: of the records is {apart:g} deg apart, want 90 or 270")
+
+
 def turned(first: Record, second: Record, azimuth_deg: float) -> tuple[Record, Record]:
     """The two components along an azimuth and 90 degrees clockwise of it.
 
@@ -32,17 +45,14 @@ def turned(first: Record, second: Record, azimuth_deg: float) -> tuple[Record, R
         azimuth_deg: direction of the first of the new axes, degrees clockwise from north.
 
     Raises:
-        ValueError: an azimuth is missing, they are not at right angles, or the sampling differs.
+        ValueError: an azimuth is missing, they are not at right angles, one is vertical, or the sampling differs.
     """
-    same_sampling(first, second)
+    _check_pair(first, second)
     finite("azimuth_deg", azimuth_deg, "deg")
     if first.azimuth_deg is None or second.azimuth_deg is None:
         raise ValueError(
             f"azimuth_deg: of the records is {first.azimuth_deg} and {second.azimuth_deg}, want two numbers"
         )
-    apart = (second.azimuth_deg - first.azimuth_deg) % 360.0
-    if min(abs(apart - 90.0), abs(apart - 270.0)) > 1e-6:
-        raise ValueError(f"azimuth_deg: of the records is {apart:g} deg apart, want 90 or 270")
     made = []
     for azimuth in (azimuth_deg, azimuth_deg + 90.0):
         values = sum(
@@ -84,16 +94,17 @@ def rotd(
     """RotDnn pseudo-accelerations [m/s^2] of two horizontal records at right angles, shape (percentile, period).
 
     Args:
-        first, second: records of one time step and length.
+        first, second: records of one time step and length, horizontal; their azimuths, where both are known, 90 degrees
+            apart.
         periods: natural periods [s], shape (period,); 100 from 0.02 to 10 s if not given.
         percentiles: nn, 0 to 100: RotD00 is the least direction, RotD50 the median, RotD100 the greatest.
         damping: share of the critical damping.
         angles: number of directions in half a turn, 2 or more.
 
     Raises:
-        ValueError: the sampling differs or an argument is out of range.
+        ValueError: the sampling differs, they are not at right angles, one is vertical, or an argument is out of range.
     """
-    same_sampling(first, second)
+    _check_pair(first, second)
     natural = check_periods(periods)
     between("damping", damping, 0.0, 0.999, "1")
     nn = check_percentiles(percentiles, angles)
@@ -111,7 +122,7 @@ def rotd_peaks(
     first: Record, second: Record, *, percentiles: Sequence[float] = (0.0, 50.0, 100.0), angles: int = DEFAULT_ANGLES
 ) -> NDArray[np.float64]:
     """RotDnn of the largest ground acceleration [m/s^2], shape (percentile,); arguments and errors as `rotd`."""
-    same_sampling(first, second)
+    _check_pair(first, second)
     nn = check_percentiles(percentiles, angles)
     return np.asarray(np.percentile(directional_peaks(first.acceleration, second.acceleration, angles), nn))
 

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from excitation.checks import finite, positive, samples
+from excitation.jumps import sampled
 from excitation.motion import Motion
 from excitation.splines import cubic_value, knots, locate, whole
 
@@ -199,17 +200,20 @@ class SampledMotion(_Sampled):
         """Samples of other motions from `start` to `end` [s]: `horizontal` along x, `vertical`'s a_x along z.
 
         Where the steps do not end at `end`, the last sample is the first one beyond it.
-        Without `vertical`, the vertical acceleration and the pitch are those of `horizontal`.  A jump of the motion is
-        smoothed over a step.  Raises ValueError if the step or the span is not positive.
+        Without `vertical`, the vertical acceleration and the pitch are those of `horizontal`.  A jump of the
+        acceleration is smoothed over the steps beside it, and the base is left with the velocity that the motion gives
+        it (`excitation.jumps`).  Raises ValueError if the step or the span is not positive.
         """
         positive("time_step", time_step, "s")
+        finite("start", start, "s")
+        finite("end", end, "s")
         positive("end - start", end - start, "s")
         steps = math.ceil((end - start) / time_step - ROUNDING)
-        t = start + time_step * np.arange(max(2, steps + 1))
-        a_x, a_z = horizontal(t)
+        t = np.asarray(start + time_step * np.arange(max(2, steps + 1)), dtype=np.float64)
+        a_x, a_z = sampled(horizontal, t, time_step)
         pitch, _ = horizontal.pitch(t)
         if vertical is not None:
-            a_z = vertical(t)[0]
+            a_z = sampled(vertical, t, time_step)[0]
         return cls(
             time_step,
             a_x,

@@ -29,6 +29,15 @@ from excitation.record import Record
 from excitation.sampled import SampledMotion
 from excitation.units import STANDARD_GRAVITY
 
+LEAST_DAMPING = 1e-4
+"""Of a table that follows as an oscillator: with less it rings for thousands of cycles, which no servo does."""
+
+RINGING = 12.0
+"""How many times its longest lag a table is followed for: an oscillator's amplitude has then sunk to exp(-12)."""
+
+MOST_RINGING = 2**23
+"""Samples for which a table may be followed after the command's end: half a gigabyte of transforms."""
+
 
 def _sensed(motion: SampledMotion) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
     """Accelerations [m/s^2] along and normal to the table; no normal one if the table does nothing but move along x."""
@@ -37,6 +46,19 @@ def _sensed(motion: SampledMotion) -> tuple[NDArray[np.float64], NDArray[np.floa
     sine, cosine = np.sin(motion.pitch_angle), np.cos(motion.pitch_angle)
     upward = STANDARD_GRAVITY + (0.0 if motion.a_z is None else motion.a_z)
     return motion.a_x * cosine - upward * sine, motion.a_x * sine + upward * cosine - STANDARD_GRAVITY
+
+
+def _ratios(damping: float) -> NDArray[np.float64]:
+    """Ratios r from 0 to 20 between which 1/(1 - r^2 + 2 i z r) is straight to 2e-4 of itself.
+
+    Steps of a hundredth of r, from where 2 z r is small, and of a fiftieth of sqrt((r - 1)^2 + z^2) from r = 1/2 to 2:
+    the response there is 1/(r - 1 - i z) but for a factor, and r - 1 = z sinh(u) lays them.
+    """
+    least = 0.01 / max(1.0, damping)
+    wide = np.geomspace(least, 20.0, math.ceil(100.0 * math.log(20.0 / least)))
+    below, above = (math.floor(50.0 * math.asinh(width / damping)) for width in (0.5, 1.0))
+    near = 1.0 + damping * np.sinh(np.arange(-below, above + 1) / 50.0)
+    return np.concatenate([[0.0], wide, near])
 
 
 @dataclass(frozen=True, repr=False)
@@ -107,13 +129,14 @@ class Table:
 
         Args:
             natural_frequency: [Hz], positive.
-            damping: z, positive.
+            damping: z, 0.0001 or more.
             delay: [s], 0 or more.
         """
         positive("natural_frequency", natural_frequency, "Hz")
-        positive("damping", damping, "1")
+        if not (math.isfinite(real(damping)) and damping >= LEAST_DAMPING):
+            raise ValueError(f"damping={damping!r} 1: want a number of {LEAST_DAMPING} or more")
         not_negative("delay", delay, "s")
-        f = np.concatenate([[0.0], np.geomspace(0.01, 20.0, 400) * natural_frequency])
+        f = np.unique(natural_frequency * _ratios(damping))
         r = f / natural_frequency
         response = 1.0 / (1.0 - r * r + 2j * damping * r)
         phase = np.unwrap(np.angle(response)) - 2.0 * math.pi * f * delay
@@ -127,7 +150,7 @@ class Table:
             time_step: of the result's samples [s], positive; the fastest harmonic needs ten or so a period.
 
         Raises:
-            ValueError: the step or the span is not positive.
+            ValueError: the step or the span is not positive, or a phase so steep that the table answers for ever.
         """
         wanted = SampledMotion.of(command, time_step=time_step, end=end, start=start)
         told = self._wander(wanted.a_x, time_step)
@@ -160,7 +183,8 @@ class Table:
             return np.zeros_like(a_x)
         from scipy.signal import hilbert
 
-        analytic = hilbert(a_x)
+        # Zeros behind, so that what ends suddenly does not come in at the front.
+        analytic = hilbert(a_x, 2 * a_x.size)[: a_x.size]
         amplitude = np.abs(analytic)
         turn = np.divide(analytic, amplitude, out=np.zeros_like(analytic), where=amplitude > 0.0)
         return np.asarray(amplitude * (second * (turn**2).real + third * (turn**3).real))
@@ -168,11 +192,24 @@ class Table:
     def _respond(self, a_x: NDArray[np.float64], time_step: float) -> NDArray[np.float64]:
         if len(self.frequencies) == 0:
             return a_x
-        size = 2 * a_x.size  # zeros behind, so that what lags does not come in again at the front
+        # Zeros behind, so that what lags does not come in again at the front.
+        ringing = math.ceil(RINGING * self._lag / time_step)
+        if ringing > MOST_RINGING:
+            raise ValueError(
+                f"phase: so steep that the table lags by {self._lag:g} s, want at most "
+                f"{MOST_RINGING * time_step / RINGING:g} s at time_step={time_step!r} s"
+            )
+        size = 2 * max(a_x.size, ringing)
         f = np.fft.rfftfreq(size, time_step)
         gain = np.interp(f, self.frequencies, self.gain)
         phase = np.interp(f, self.frequencies, self.phase)
         return np.asarray(np.fft.irfft(np.fft.rfft(a_x, size) * gain * np.exp(1j * phase), size)[: a_x.size])
+
+    @property
+    def _lag(self) -> float:
+        """The longest time [s] by which a frequency's group lags or leads: the steepest slope of the phase."""
+        slopes = np.diff(self.phase) / np.diff(self.frequencies)
+        return float(np.max(np.abs(slopes), initial=0.0)) / (2.0 * math.pi)
 
     def _displacement(self, a_x: NDArray[np.float64], time_step: float) -> NDArray[np.float64]:
         from excitation.filters import band_passed

@@ -8,7 +8,8 @@ Separated by commas, semicolons, tabs or blanks.  Without a header line the firs
 be stated: nothing is guessed.
 
 Source   none: the usual text table.
-Status   the time column must be equally spaced to a thousandth of a step or to the digits that it is printed with.
+Status   the time column must be equally spaced to a thousandth of a step or to the digits that it is printed with,
+         which have to tell a fifth of a step.
 """
 
 from __future__ import annotations
@@ -20,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from excitation.formats.directions import direction_of, name_of
-from excitation.formats.text import TextFile, decimals, quoted, to_float, write_lines
-from excitation.record import Record, RecordFileError, same_sampling
+from excitation.formats.text import TextFile, decimals, quoted, to_float, to_floats, write_lines
+from excitation.record import Record, same_sampling
 from excitation.units import factor, quantity_of
 
 NAME = "columns"
@@ -77,18 +78,9 @@ def _table(text: TextFile, first: int, separator: str | None, width: int) -> NDA
         found = len(line.split(separator))
         if found != width:
             text.fail(i, f"{width} columns as in the first line")
-    if separator is None:
-        values = text.block(first, len(text.lines))
-    else:
-        body = [line.replace(separator, " ") for _, line in lines]
-        flat = TextFile(text.name, [""] * first + body, text.sha256)
-        try:
-            values = flat.block(first, first + len(body))
-        except RecordFileError:
-            bad = next(i for i, line in lines if not all(to_float(v) is not None for v in line.split(separator)))
-            text.fail(bad, f"{width} finite numbers")
-    if values.size != len(lines) * width:
-        bad = next(i for i, line in lines if not all(to_float(v) is not None for v in line.split(separator)))
+    values = to_floats([field for _, line in lines for field in line.split(separator)])
+    if values is None:
+        bad = next(i for i, line in lines if to_floats(line.split(separator)) is None)
         text.fail(bad, f"{width} finite numbers")
     return np.asarray(values.reshape(len(lines), width))
 
@@ -127,9 +119,8 @@ def _step(text: TextFile, first: int, times: NDArray[np.float64], printed: str, 
     if np.max(off) > min(allowed, 0.2 * step):
         worst = int(np.argmax(off))
         rows = [i for i in range(first, len(text.lines)) if text.lines[i].strip()]
-        text.fail(
-            rows[worst], f"{(times[0] + worst * step) / scale:.6g} as the time: equal steps of {step / scale:.6g}"
-        )
+        wanted = f"{(times[0] + worst * step) / scale:.6g} as the time: equal steps of {step / scale:.6g}"
+        text.fail(rows[worst], wanted + (", printed to a fifth of one or finer" if np.max(off) <= allowed else ""))
     return _exact(step, times)
 
 

@@ -33,6 +33,8 @@ V1_REAL_LINES, V2_REAL_LINES = 7, 13
 V1_COUNT, V1_LONG_COUNT, V2_COUNT, V2_STEP = 27, 32, 52, 60
 TIME_RESOLUTION = 0.001
 """Times of a volume 1 are printed to a thousandth of a second."""
+STEP_RESOLUTION = 0.5e-3 + 1e-12
+"""Half of the last digit of the step [s] among the reals of a volume 2, and what rounding adds."""
 
 _DATA = (
     r"^\s*(?P<n>\S+)\s+POINTS OF (?P<kind>ACCEL|VELOC|DISPL)\w* DATA,? EQUALLY SPACED AT\s+(?P<dt>\S+)\s+SEC"
@@ -147,7 +149,7 @@ def _volume2(channel: _Channel) -> tuple[Record, int]:
     if round(channel.integers[V2_COUNT]) != values.size:
         text.fail(stated_at, f"{values.size} as integer {V2_COUNT + 1}, the count of line {channel.data + 1}")
     stated_at = channel.first + V2_TEXT + INTEGER_LINES + V2_STEP // 8
-    if abs(channel.reals[V2_STEP] - step) > 0.001:
+    if abs(channel.reals[V2_STEP] - step) > STEP_RESOLUTION:
         text.fail(stated_at, f"{step:g} as real {V2_STEP + 1}, the step of line {channel.data + 1}")
     for kind in ("VELOC", "DISPL"):
         if at < len(text.lines) and re.search(_DATA, text.head(at), re.IGNORECASE):

@@ -8,7 +8,7 @@ Status   reads ESM's and AFAD's files; writes the keys that it needs to read.
 from __future__ import annotations
 
 import re
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -118,11 +118,14 @@ def parse(text: TextFile) -> list[Record]:
 
 
 def _start_text(record: Record) -> str:
+    """The start in UTC, as a time without a zone is."""
     if not record.start_time:
         return ""
     try:
-        return datetime.fromisoformat(record.start_time).strftime("%Y%m%d_%H%M%S.%f")
-    except ValueError:
+        start = datetime.fromisoformat(record.start_time)
+        utc = start if start.tzinfo is None else start.astimezone(UTC)
+        return utc.strftime("%Y%m%d_%H%M%S.%f")
+    except (ValueError, OverflowError):
         raise ValueError(f"start_time={record.start_time!r}: want ISO 8601 such as 2019-07-28T16:09:19.87") from None
 
 

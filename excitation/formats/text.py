@@ -90,7 +90,7 @@ class TextFile:
         """The numbers in lines first to last (excluded), separated by blanks or in columns of `width`."""
         lines = self.lines[first:last]
         fields = _fields(lines, width)
-        values = _floats(fields)
+        values = to_floats(fields)
         if values is None:
             self._blame(first, lines, width)
         return values
@@ -98,7 +98,7 @@ class TextFile:
     def _blame(self, first: int, lines: list[str], width: int | None) -> NoReturn:
         """The error about the first line that does not hold numbers."""
         for offset, line in enumerate(lines):
-            if _floats(_fields([line], width)) is None:
+            if to_floats(_fields([line], width)) is None:
                 columns = "" if width is None else f" in columns of {width} characters"
                 self.fail(first + offset, f"finite numbers{columns}")
         self.fail(first, "finite numbers")
@@ -128,7 +128,7 @@ class TextFile:
 
 def to_float(text: str) -> float | None:
     """A finite number, or None; stricter than Python's own (no nan, no underscores)."""
-    values = _floats([text.strip()]) if text.strip() and " " not in text.strip() else None
+    values = to_floats([text.strip()]) if text.strip() and " " not in text.strip() else None
     return None if values is None else float(values[0])
 
 
@@ -164,7 +164,7 @@ def _fields(lines: list[str], width: int | None) -> list[str]:
     return [line[i : i + width] for line in lines for i in range(0, len(line.rstrip()), width)]
 
 
-def _floats(fields: list[str]) -> NDArray[np.float64] | None:
+def to_floats(fields: list[str]) -> NDArray[np.float64] | None:
     """The fields as finite numbers up to LARGEST_NUMBER, or None."""
     joined = "\n".join(fields)
     if _NOT_A_NUMBER.search(joined):

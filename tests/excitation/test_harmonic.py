@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import chirp as scipy_chirp
 from scipy.signal.windows import tukey
 
-from excitation import Chirp, RampedSinusoid, SteadySinusoid
+from excitation import Chirp, RampedSinusoid, SinusoidalPitch, SteadySinusoid
 
 T = np.linspace(0.0, 8.0, 4001)
 
@@ -24,6 +24,28 @@ def test_steady_sinusoid_is_a_sine_under_scipys_tukey_window():
 def test_chirp_is_scipys(sweep, band):
     motion = Chirp(*band, 2.0, 8.0, sweep=sweep, phase=math.pi / 2)
     assert motion(T)[0] == pytest.approx(2.0 * scipy_chirp(T, band[0], 8.0, band[1], method=sweep), abs=1e-10)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.2, 0.01, 1e-6, -1e-9, 1e-12, 1e-15])
+def test_a_logarithmic_chirp_keeps_its_frequency_where_the_ends_are_nearly_equal(share):
+    """Phase 2 pi f_0 T (exp(x t/T) - 1)/x with x = log(f_1/f_0), by NumPy's expm1 and log1p; 3000 rad to rounding."""
+    f_0, f_1, end = 5.0, 5.0 * (1.0 + share), 90.0
+    x, t = np.log1p((f_1 - f_0) / f_0), np.linspace(0.0, end, 9001)
+    expected = np.sin(2 * np.pi * f_0 * end / x * np.expm1(x * t / end))
+    assert Chirp(f_0, f_1, 1.0, end, sweep="logarithmic")(t)[0] == pytest.approx(expected, abs=1e-11)
+
+
+def test_tapers_that_fit_exactly_are_taken():
+    """0.1 + 0.2 is 0.30000000000000004 and 0.3 - 0.2 is 0.09999999999999998 for a computer."""
+    for motion in (
+        SteadySinusoid(1.0, 1.0, 0.3, taper_in=0.1, taper_out=0.2),
+        Chirp(1.0, 2.0, 1.0, 0.3, taper_in=0.1, taper_out=0.2),
+        SinusoidalPitch(1.0, 1.0, 0.3, taper_in=0.1, taper_out=0.2),
+    ):
+        assert motion.breakpoints == (0.0, 0.1, 0.3)
+    # Half a cosine wave up, half of one down: the middles of both are at a half.
+    a_x = SteadySinusoid(1.0, 1.0, 0.3, phase=0.0, taper_in=0.1, taper_out=0.2)([0.05, 0.1, 0.2])[0]
+    assert a_x == pytest.approx([0.5, 1.0, 0.5] * np.sin(2 * np.pi * np.array([0.05, 0.1, 0.2])), abs=1e-12)
 
 
 def test_a_linear_chirp_between_equal_frequencies_is_a_sine():

@@ -85,6 +85,14 @@ def test_times_that_are_not_finite_are_refused_by_every_motion(any_motion):
             ask([0.0, np.inf])
 
 
+def test_times_that_are_no_numbers_are_refused_by_every_motion(any_motion):
+    for ask in (any_motion, any_motion.pitch, any_motion.to_xarray):
+        with pytest.raises(ValueError, match=r"^t='a': want numbers"):
+            ask("a")
+        with pytest.raises(ValueError, match=r"^t=\[\[1, 2\], \[3\]\]: want numbers"):
+            ask([[1, 2], [3]])
+
+
 def test_dataset_states_units_and_gives_the_motion_back(any_motion, tmp_path):
     """By way of a NetCDF file."""
     import xarray as xr

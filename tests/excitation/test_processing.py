@@ -296,6 +296,25 @@ def test_rotd_of_motion_along_a_line_is_its_projection():
     assert ex.rotd_peaks(*circle) == pytest.approx([1.0, 1.0, 1.0], abs=2e-4)
 
 
+def test_pairs_that_are_not_horizontal_and_at_right_angles_are_refused():
+    a = np.sin(np.arange(50.0))
+    north = ex.Record(0.01, a, azimuth_deg=10.0)
+    for azimuth, apart in ((10.0, 0), (190.0, 180), (99.0, 89)):
+        other = ex.Record(0.01, a, azimuth_deg=azimuth)
+        for call in (ex.rotd_peaks, ex.rotd, lambda *two: ex.turned(*two, 0.0)):
+            with pytest.raises(ValueError, match=f"azimuth_deg: of the records is {apart} deg apart, want 90 or 270"):
+                call(north, other)
+    up = ex.Record(0.01, a, vertical=True, azimuth_deg=100.0)
+    for call in (ex.rotd_peaks, ex.rotd, lambda *two: ex.turned(*two, 0.0)):
+        with pytest.raises(ValueError, match=r"second=Record\(.*\): is vertical, want a horizontal record"):
+            call(north, up)
+        with pytest.raises(ValueError, match=r"first=Record\(.*\): is vertical, want a horizontal record"):
+            call(up, north)
+    # Right angles to either side, and azimuths that are not known, are taken.
+    for azimuth in (100.0, 280.0, None):
+        assert ex.rotd_peaks(north, ex.Record(0.01, a, azimuth_deg=azimuth)).shape == (3,)
+
+
 def test_what_was_done_stands_in_the_metadata(quake):
     made = ex.scaled(ex.band_passed(ex.baseline_corrected(quake, 1), 0.1, 25.0), 2.0)
     steps = made.metadata["processing"].split("; ")

@@ -44,6 +44,11 @@ def test_rectangular_pulse_leaves_amplitude_times_duration():
     assert pulse([0.999, 1.0, 1.4, 1.401])[0] == pytest.approx([0.0, 3.0, 3.0, 0.0], abs=0.0)
 
 
+def test_both_ends_are_in_a_pulse_and_nothing_is_after_its_end():
+    for pulse in (OneCosinePulse(2.0, 0.5), RectangularPulse(2.0, 0.5)):
+        assert pulse([-1e-9, 0.0, pulse.end, pulse.end + 1e-9])[0] == pytest.approx([0.0, 2.0, 2.0, 0.0], abs=0.0)
+
+
 @given(amplitudes, periods)
 def test_half_sine_leaves_amplitude_times_period_over_pi(a, period):
     pulse = HalfSinePulse(a, period)

@@ -111,6 +111,15 @@ def test_csmip_volume_2_has_every_channel(tmp_path, samples):
     assert (first.time_step, first.station, first.event) == (0.02, "36456", "SOMEWHERE EARTHQUAKE")
 
 
+def test_csmip_volume_2_states_one_step_twice(tmp_path, samples):
+    """The real is printed to a thousandth of a second: it may be off by half of that, and by no more."""
+    text = "\n".join(csmip2_channel(samples, 0.005))
+    assert one(tmp_path, text.replace("AT  0.005 SEC", "AT  .00488 SEC")).time_step == 0.00488
+    for step in (".006", ".004", ".0056", ".0044"):
+        with pytest.raises(ex.RecordFileError, match=f"line 40: .* want 0{step} as real 61, the step of line 46"):
+            one(tmp_path, text.replace("AT  0.005 SEC", f"AT  {step} SEC"))
+
+
 def test_csmip_volume_1_is_pairs_in_tenths_of_g(tmp_path, samples):
     path = tmp_path / "record.V1"
     t = 0.02 * np.arange(N)
@@ -390,6 +399,12 @@ PEAK = f"{100 * max(BASE, key=abs):10.3f}"
         ("time [s],a [g]\n0,1\n0.01,2\n0.03,3\n0.04,1", "line 3: .* want 0.0133333 as the time: equal"),
         ("time [s],a [g]\n0,1\n0.01,2\n0.02,x\n", "line 4: .* want 2 finite numbers"),
         ("time [s],a [g]\n0,1\n0.01,2\n0.02,\n", "line 4: .* want 2 finite numbers"),
+        ("time [s],a [g],b [g]\n0,1,2\n0.1,,1 2\n0.2,3,4\n", "line 3: .* want 3 finite numbers"),
+        ("time [s];a [g];b [g]\n0;1;2\n0.1;1 2;\n0.2;3;4\n", "line 3: .* want 3 finite numbers"),
+        (
+            "time [s],a [g]\n" + "\n".join(f"{0.005 * i:.2f},1" for i in range(9)),
+            "want .* as the time: equal steps of 0.005, printed to a fifth of one or finer",
+        ),
         ("time [s],a [g]\n0,1\n0.01,2\n0.02\n", "line 4: .* want 2 columns"),
         ("time [s],a [kg]\n0,1\n0.01,2\n", "line 1: .* want a unit of acceleration for column 2"),
         ("time [s],a\n0,1\n0.01,2\n", "line 1: .* want the unit of column 2"),

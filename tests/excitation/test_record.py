@@ -101,6 +101,20 @@ def test_directions_come_back_from_every_format(tmp_path, format, component, azi
         assert again.event == "E, v [e] NDATA: 7"
 
 
+@pytest.mark.parametrize(
+    ("stated", "utc"),
+    [
+        ("2019-07-28T16:09:19.5", "2019-07-28T16:09:19.500000"),
+        ("2019-07-28T16:09:19+03:00", "2019-07-28T13:09:19"),
+        ("2019-07-28T22:09:19-05:30", "2019-07-29T03:39:19"),
+        ("2019-07-28T16:09:19Z", "2019-07-28T16:09:19"),
+    ],
+)
+def test_a_start_time_with_a_zone_is_written_in_utc(tmp_path, stated, utc):
+    ex.write(tmp_path / "x", ex.Record(0.01, [0.1, 0.3], start_time=stated), "dyna")
+    assert ex.read(tmp_path / "x")[0].start_time == utc
+
+
 def test_a_start_time_that_is_none_is_named(tmp_path):
     record = ex.Record(0.01, [0.1, 0.3], start_time="noon")
     with pytest.raises(ValueError, match="start_time='noon': want ISO 8601"):
@@ -200,5 +214,8 @@ def test_a_record_shows_itself_in_a_line():
 def test_bad_records_are_refused():
     with pytest.raises(ValueError, match="acceleration: has shape"):
         ex.Record(0.01, [1.0])
+    for azimuth in ("0", np.nan, -30.0, 400.0, [1.0]):
+        with pytest.raises(ValueError, match=r"^azimuth_deg=.* deg: want 0 to 360"):
+            ex.Record(0.01, [1.0, 2.0], azimuth_deg=azimuth)
     with pytest.raises(ValueError, match=r"time_step=0\.0 s"):
         ex.Record(0.0, [1.0, 2.0])

@@ -8,7 +8,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline
 
-from excitation import PiecewiseLinear, RampedSinusoid, SampledMotion, from_xarray
+from excitation import (
+    Combined,
+    OneCosinePulse,
+    OneSinePulse,
+    PiecewiseLinear,
+    RampedSinusoid,
+    RectangularPulse,
+    SampledMotion,
+    Table,
+    from_xarray,
+)
 
 
 def noise(seed, size=200):
@@ -91,6 +101,49 @@ def test_a_second_motion_can_be_the_vertical_one():
     assert motion.start == 0.5 and motion.end == 2.0
 
 
+@pytest.mark.parametrize("step", [0.03, 0.01, 0.001])
+@pytest.mark.parametrize(
+    ("pulse", "velocity"),
+    [
+        (RectangularPulse(1.0, 0.1, start=0.3), 0.1),
+        (RectangularPulse(-2.0, 0.1234, start=0.4321), -0.2468),
+        (RectangularPulse(1.0, 0.0004, start=0.4321), 0.0004),
+        (OneCosinePulse(1.0, 0.45, start=0.3), 0.0),
+        (OneCosinePulse(1.0, 0.4567, start=0.3019), 0.0),
+    ],
+)
+def test_samples_of_a_jump_leave_the_base_with_the_velocity_of_the_motion(pulse, velocity, step):
+    """Amplitude times duration of a rectangle, zero of a whole cosine, wherever the jumps are between samples, and of a
+    rectangle within one step.  A cosine's samples miss its integral by their own a_p omega^2 h^3/12 at the most (the
+    rule of Euler and Maclaurin), and a spline's rings of the jumps die out by 0.27 a step: 1e-4 h after nine."""
+    own = step**3 * (2 * np.pi / 0.45) ** 2 / 12 if isinstance(pulse, OneCosinePulse) else 0.0
+    for motion in (
+        SampledMotion.of(pulse, time_step=step, end=1.2),
+        Table().shake(pulse, time_step=step, end=1.2),
+        SampledMotion.of(Combined(OneSinePulse(1.0, 0.4), pulse), time_step=step, end=1.2),
+        SampledMotion.of(OneSinePulse(1.0, 0.4), pulse, time_step=step, end=1.2),
+    ):
+        values = motion.a_x if motion.a_z is None else motion.a_z
+        left = CubicSpline(motion.times, values).integrate(0.0, motion.end)
+        assert left == pytest.approx(velocity, abs=own + 2e-4 * step)
+
+
+def test_a_jump_at_the_first_or_the_last_sample_stays_one():
+    """The base is at rest outside the samples, so that they begin and end with a jump by themselves."""
+    motion = SampledMotion.of(RectangularPulse(2.0, 1.0), time_step=0.1, end=1.0)
+    assert np.array_equal(motion.a_x, np.full(11, 2.0))
+    later = SampledMotion.of(RectangularPulse(2.0, 1.0, start=1.0), time_step=0.1, start=1.0, end=1.5)
+    assert np.array_equal(later.a_x, np.full(6, 2.0))
+    lines = PiecewiseLinear(0.1, noise(9, 20))
+    assert np.array_equal(SampledMotion.of(lines, time_step=0.1, end=1.9).a_x, lines(lines.times)[0])
+
+
+@pytest.mark.parametrize(("name", "value"), [("start", None), ("start", np.nan), ("end", "a"), ("end", np.inf)])
+def test_a_span_that_is_none_is_named(name, value):
+    with pytest.raises(ValueError, match=f"^{name}={value!r} s: want a finite number"):
+        SampledMotion.of(RectangularPulse(1.0, 1.0), **({"time_step": 0.1, "start": 0.0, "end": 1.0} | {name: value}))
+
+
 def test_units_of_a_dataset_are_converted():
     import xarray as xr
 
@@ -162,8 +215,6 @@ def test_bad_samples_are_named(arguments, message):
 
 
 def test_a_combined_motion_is_its_two_parts():
-    from excitation import Combined, OneSinePulse
-
     x, z = RampedSinusoid(2.0, 2.0, 5.0, imperfection=0.1, seed=1), OneSinePulse(3.0, 0.4, start=0.5)
     motion = Combined(x, z)
     t = np.linspace(-0.2, 2.2, 501)
