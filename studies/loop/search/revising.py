@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 
 from studies.loop.fits.fitting import Fit, fit
 from studies.loop.models.candidates import Candidate
+from studies.loop.models.model import DRIFT, LoopModel
 from studies.loop.models.names import readable
 from studies.loop.records.preparing import Setup
 from studies.loop.swings.tracing import FURTHER_COSTLY, Round, Trial, bic, pays, search
@@ -89,10 +90,21 @@ def taken_out(setup: Setup, plain: Trial, trial: Trial, k: int) -> Trial:
     left = plain
     for part in (*trial.parts[:k], *trial.parts[k + 1 :]):
         left = left.with_(part, plain.swing)
-    effects = {name: values for name, values in trial.swing.model.effects.items() if name != trial.parts[k].effect}
-    start = replace(trial.swing.model, effects=effects)
+    start = _without(trial.swing.model, plain.swing.model, trial.parts[k], left)
     steps = FURTHER_COSTLY if left.costly else 12
     return replace(left, swing=fit(setup.simulator, start, left.every, trial.swing.windows, iterations=steps))
+
+
+def _without(model: LoopModel, plain: LoopModel, gone: Candidate, left: Trial) -> LoopModel:
+    """The model without one of its parts; of an effect that others are a part of, their parameters stay."""
+    kept = {name for part in left.parts for name in (*part.fixed, *(p.name for p in part.parameters))}
+    own = {*gone.fixed, *(p.name for p in gone.parameters)} - kept
+    effects = {
+        effect: {name: value for name, value in values.items() if f"{effect}.{name}" not in own}
+        for effect, values in model.effects.items() if any(name.startswith(f"{effect}.") for name in kept)
+    }  # fmt: skip
+    drift = {} if DRIFT in kept else {"drift": plain.drift, "fading": plain.fading}
+    return replace(model, effects=effects, **drift)
 
 
 def _dropped(setup: Setup, stands: Revision, others: Sequence[Trial]) -> Revision | None:

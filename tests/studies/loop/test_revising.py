@@ -19,11 +19,14 @@ from studies.laboratory.parameters import G, World, uniform
 from studies.loop import closing, finding_file
 from studies.loop.dataset import candidates
 from studies.loop.finding_file import as_json
+from studies.loop.fits.fitting import fit
+from studies.loop.models.candidates import Candidate
 from studies.loop.models.model import LoopModel
 from studies.loop.records.preparing import Setup, prepare
 from studies.loop.report import page
 from studies.loop.search import revising
-from studies.loop.search.revising import Revision, revised, without_needless
+from studies.loop.search.revising import Revision, revised, taken_out, without_needless
+from studies.loop.swings.learning import profiles, terms
 from studies.loop.swings.tracing import Round, Trial, all_candidates, baseline, bic, search
 from studies.loop.whole import rivals as rivals_module
 from studies.loop.whole.rivals import Rival, near_all, twins
@@ -64,6 +67,35 @@ def on_top(setup: Setup, onto: Trial, *effects: str) -> tuple[Round, Trial]:
 
 def quiet(text: str) -> None:
     """Nobody listens."""
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("learned[friction]", "learned[damping]"),
+        ("learned[curve alike on both sides, near upright]", "learned[curve by side, near upright]"),
+        ("restitution_drift", "learned[drag]"),
+    ],
+)
+def test_of_an_effect_that_two_parts_share_the_other_one_stays(names: tuple[str, str]) -> None:
+    """What is left is what was never fitted with the part that is taken out."""
+    setup, plain = planted(("quadratic", 0.05))
+    declared, windows = plain.swing.model.declared, plain.swing.windows
+    forms = {c.name: c for c in (*terms(declared), *profiles(declared, windows))}
+
+    def on_top_of(onto: Trial, part: Candidate) -> Trial:
+        start = onto.swing.model.changed(part.nothing(declared))
+        parameters = (*onto.every, *part.parameters)
+        return onto.with_(part, fit(setup.simulator, start, parameters, windows, iterations=3))
+
+    one, other = (forms[name] for name in names)
+    both = on_top_of(on_top_of(plain, one), other)
+    for k, kept in enumerate((other, one)):
+        left, alone = taken_out(setup, plain, both, k), on_top_of(plain, kept)
+        assert left.names == (kept.name,)
+        found, wanted = left.swing.model, alone.swing.model
+        assert {e: {*v} for e, v in found.effects.items()} == {e: {*v} for e, v in wanted.effects.items()}
+        assert (found.drift == 0.0) == (wanted.drift == 0.0)
 
 
 def test_an_effect_that_stood_for_another_one_is_left_out() -> None:
