@@ -3,10 +3,11 @@
 A record is run as it is and mirrored (the block turned round), each with three restitutions, then scaled up and down in
 steps of 1 % until the block falls: single responses of a rocking block hang on details, so that the answer is that of
 several runs.  Where only a peak acceleration is known, the motion is taken to be one cycle of a sine: with --period or
---pgv the same is done for it; without, the answer is the shortest period that fells the block.
+--pgv the same is done for it; without, the answer is the shortest period that fells the block, and the longer ones that
+do not: between those that fell it after an impact and those that fell it without one it may stand.
 
 Source       West's formula, eq. (1) of Winkler, Meguro & Yamazaki (1995), for rocking; Ishiyama (1982) for the peak
-             velocity below which nothing falls
+             velocity below which nothing falls; Zhang & Makris (2001) for falls after an impact and without one
 Status       Method 1, nonlinear: no sliding and no jump.  Against published amplitudes of one-cycle sines (tests)
 Run          python -m studies.will_it_fall 0.30 1.80 --pga 0.3g
              python -m studies.will_it_fall 0.30 1.80 --record FILE
@@ -23,6 +24,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from excitation import PiecewiseLinear, Record, read
 from rocking import Block, Method1, solve, solve_batch
@@ -43,6 +45,9 @@ SPREAD = (0.95, 1.0, 1.05)
 
 SAMPLES_PER_CYCLE = 200
 PERIODS = np.geomspace(0.05, 20.0, 241)
+"""Of the cycles that are tried where only a peak is known [s], in steps of 2.5 %."""
+
+IN_WORDS = {1: "one restitution", 2: "two restitutions within 5 %", 3: "three restitutions within 5 %"}
 
 
 @dataclass(frozen=True)
@@ -59,7 +64,7 @@ class Answer:
     runs: int
     runs_that_fall: int
     falls: str  # "yes", "no", or "perhaps" where the runs disagree
-    largest_tilt: float
+    largest_tilt: float  # above 1 where a block passes its balance and is thrown back; a run that falls counts as 1
     falls_first_at: float | None  # factor on the motion; None if it never does up to `tried_up_to`
     falls_last_at: float | None  # factor at which the most stable of the runs falls first
     tried_up_to: float
@@ -130,7 +135,7 @@ def answer(block: Block, record: Record, restitution: float | None = None) -> An
         runs=runs,
         runs_that_fall=count,
         falls="yes" if count == runs else "perhaps" if count else "no",
-        largest_tilt=float(min(tilt.max(), 1.0)),
+        largest_tilt=float(np.where(falls_now, 1.0, tilt).max()),
         falls_first_at=_finite(min(first)),
         falls_last_at=_finite(max(first)),
         tried_up_to=float(factors[-1]),
@@ -147,10 +152,8 @@ def one_cycle(peak: float, period: float) -> Record:
     return Record(period / SAMPLES_PER_CYCLE, peak * np.sin(2.0 * math.pi * t), source=f"one cycle of {period:.3g} s")
 
 
-def felling_period(block: Block, peak: float, restitution: float | None = None) -> float | None:
-    """Shortest period [s] of one cycle of a sine of this peak [m/s^2] that fells the block in any of the runs.
-
-    None if none up to 20 s does.  Searched in steps of 2.5 %.
+def felled(block: Block, peak: float, restitution: float | None = None) -> NDArray[np.bool_]:
+    """Whether one cycle of a sine of this peak [m/s^2] fells the block in any of the runs, at each of `PERIODS`.
 
     Raises:
         ValueError: the restitution is out of range, or a run failed.
@@ -162,12 +165,33 @@ def felling_period(block: Block, peak: float, restitution: float | None = None) 
     many = [system for system in systems for _ in pulses]
     t_end = float(PERIODS[-1]) + 20.0 / block.p()
     result = _none_failed(solve_batch(many, motions, t_end=t_end, solver="taylor"))
-    fell = np.reshape(result.overturned, (len(systems), len(pulses))).any(axis=0)
+    return np.asarray(np.reshape(result.overturned, (len(systems), len(pulses))).any(axis=0))
+
+
+def felling_period(block: Block, peak: float, restitution: float | None = None) -> float | None:
+    """Shortest period [s] of one cycle of a sine of this peak [m/s^2] that fells the block in any of the runs.
+
+    None if none up to 20 s does.  Searched in steps of 2.5 % from 0.05 s on; longer ones need not fell it.
+
+    Raises:
+        ValueError: as of `felled`.
+    """
+    fell = felled(block, peak, restitution)
     return float(PERIODS[fell.argmax()]) if fell.any() else None
 
 
+def standing_again(fell: NDArray[np.bool_]) -> list[tuple[float, float]]:
+    """Stretches of `PERIODS`, first and last of each [s], longer than one that fells, at which the block stands."""
+    if not fell.any():
+        return []
+    stands = ~fell & (np.arange(fell.size) > fell.argmax())
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], stands, [False]]).astype(int)))
+    return [(float(PERIODS[i]), float(PERIODS[j - 1])) for i, j in zip(edges[::2], edges[1::2], strict=True)]
+
+
 def _in_words(found: Answer) -> str:
-    runs = f"{found.runs_that_fall} of {found.runs} runs: as it is and mirrored, three restitutions within 5 %"
+    tried = IN_WORDS[found.runs // 2]
+    runs = f"{found.runs_that_fall} of {found.runs} runs: as it is and mirrored, {tried}"
     lines = [_block_line(found.breadth, found.height, found.rocking_starts_at), f"motion   {found.motion}"]
     share = found.peak / found.rocking_starts_at
     since = f", from {found.onset_time:.2f} s on" if found.rocks else ""
@@ -191,22 +215,28 @@ def _peak_in_words(block: Block, peak: float, restitution: float | None) -> tupl
     starts = west_acceleration(block.b, block.h)
     lines = [_block_line(block.b, block.h, starts)]
     facts: dict[str, object] = {"breadth": block.b, "height": block.h, "peak": peak, "rocking_starts_at": starts}
-    facts |= {"rocks": peak > starts, "felling_period": None, "velocity_limit": ishiyama_velocity(block)}
+    facts |= {"rocks": peak > starts, "felling_period": None, "stands_again": [], "shortest_period_tried": None}
+    facts |= {"velocity_limit": ishiyama_velocity(block)}
     if peak <= starts:
         lines += [f"rocks    no: {peak:.3g} m/s^2 is {peak / starts:.2f} times what starts rocking", "falls    no"]
         lines.append(f"margin   rocking starts at {starts / peak:.2f} times this peak")
         return "\n".join(lines), facts
     lines.append(f"rocks    yes: {peak:.3g} m/s^2 is {peak / starts:.2f} times what starts rocking")
-    period = felling_period(block, peak, restitution)
-    facts["felling_period"] = period
-    if period is None:
+    fell = felled(block, peak, restitution)
+    facts["shortest_period_tried"] = float(PERIODS[0])
+    if not fell.any():
         lines.append(f"falls    no: not under one cycle of a sine, whatever its period up to {PERIODS[-1]:g} s")
     else:
-        velocity = peak * period / math.pi
+        period, again = float(PERIODS[fell.argmax()]), standing_again(fell)
+        facts |= {"felling_period": period, "stands_again": again}
+        or_less = " or less" if fell[0] else ""  # none shorter is tried
         lines.append(
-            f"falls    if the push lasts: one cycle of a sine of this peak fells it from {period:.2f} s of period on\n"
-            f"         (peak velocity {velocity:.2g} m/s)"
+            f"falls    if the push lasts: the shortest cycle of a sine of this peak that fells it takes {period:.2f} s"
+            f"{or_less}\n         (peak velocity {peak * period / math.pi:.2g} m/s{or_less})"
         )
+        if again:
+            listed = ", ".join(f"{a:.2f} s" if f"{a:.2f}" == f"{b:.2f}" else f"{a:.2f} to {b:.2f} s" for a, b in again)
+            lines.append(f"         but it stands some longer ones: {listed}")
     limit = ishiyama_velocity(block)
     lines.append(
         f"margin   by Ishiyama's rule (1982) nothing fells it below a peak velocity of {limit:.2g} m/s;\n"

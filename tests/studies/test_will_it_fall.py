@@ -64,6 +64,55 @@ def test_the_felling_period_is_where_the_closed_amplitude_falls_below_the_peak()
     assert least * 9.80665 * slender.alpha == pytest.approx(peak, rel=0.04)
 
 
+# Between what fells it after an impact and what fells it without one a block may stand (Zhang & Makris 2001).
+def test_a_longer_push_that_the_block_stands_is_named_and_a_tilt_beyond_the_balance_is_told(capsys):
+    stocky, peak, alpha = Block(b=0.5, h=1.0), 2.0 * 9.80665, math.atan(0.5)
+    runs = {}
+    for period in (0.43, 0.5, 0.55):
+        pulse = command.one_cycle(peak, period)
+        motion = PiecewiseLinear(pulse.time_step, pulse.acceleration)
+        runs[period] = [
+            solve(Method1(stocky, restitution=e), motion, t_end=8.0, solver="numba", save_at=())
+            for e in command.restitutions(stocky, None)
+        ]
+    assert [any(run.overturned for run in some) for some in runs.values()] == [True, False, True]
+    command.main(["0.5", "1.0", "--pga", "2g", "--json"])
+    facts = json.loads(capsys.readouterr().out)
+    [(first, last)] = facts["stands_again"]
+    assert 0.42 < facts["felling_period"] < 0.43 < first < 0.5 < last < 0.55
+    command.main(["0.5", "1.0", "--pga", "2g"])
+    said = capsys.readouterr().out
+    assert "the shortest cycle of a sine of this peak that fells it takes 0.43 s\n" in said
+    assert "but it stands some longer ones: 0.46 to 0.54 s" in said
+    found = command.answer(stocky, command.one_cycle(peak, 0.5))
+    assert found.falls == "no"
+    assert found.largest_tilt == pytest.approx(max(run.peak_rotation for run in runs[0.5]) / alpha, rel=1e-5)
+    assert found.largest_tilt > 1.2
+
+
+def test_a_push_as_short_as_is_tried_is_no_least_one(capsys):
+    # The next shorter ones fell it as well.
+    assert command.answer(Block(0.01, 0.1), command.one_cycle(5.0 * 9.80665, 0.03)).runs_that_fall > 0
+    command.main(["0.01", "0.1", "--pga", "5g"])
+    assert "that fells it takes 0.05 s or less\n" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "tried"),
+    [
+        (["2", "1", "--pga", "3g", "--period", "2"], "2 of 2 runs: as it is and mirrored, one restitution)"),
+        (
+            ["0.3", "1.8", "--pga", "1g", "--period", "1", "--restitution", "1"],
+            "4 of 4 runs: as it is and mirrored, two",
+        ),
+        (["0.3", "1.8", "--pga", "1g", "--period", "1"], "6 of 6 runs: as it is and mirrored, three"),
+    ],
+)
+def test_as_many_restitutions_are_said_as_were_tried(arguments, tried, capsys):
+    command.main(arguments)
+    assert tried in capsys.readouterr().out
+
+
 def test_a_block_of_a_few_millimetres_is_watched_to_the_end_of_the_longest_push(monkeypatch):
     # A push that takes hundreds of 1/p fells what it tips, and passes West's acceleration after an eighth of it:
     # 20/p, 0.5 s here, is over by then.
