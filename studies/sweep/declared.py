@@ -21,6 +21,9 @@
     [excitations.pulse]
     kind = "OneSinePulse"                   # any pulse of `excitation`; criterion: least amplitude that fells
     highest = 60.0                          # amplitude up to which is looked [m/s^2]
+    steps = 40                              # geometric steps from West's acceleration up to it
+    bisections = 20                         # of the step in which it is found
+    after = 6.0                             # time for which a block is watched after the pulse at least [s]
 
 Source   none, own convention
 Status   every refusal is tested

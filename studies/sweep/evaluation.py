@@ -3,7 +3,7 @@
 Under a ramp, the criterion of overturning is the envelope when |theta| last passes the balance before the fall, that of
 rocking the largest |a_x| until the block begins to rock.  Under a pulse they are the least amplitudes that fell the
 block and that set it rocking, found among amplitudes in geometric steps and then by bisection; what fells it in a
-narrower band than a step is missed.
+narrower band than a step is missed.  After a pulse a block is watched for 20/p or more.
 
 Source   Winkler, Meguro & Yamazaki (1995), "Criteria of overturning for single blocks"
 Status   each point against a run by itself; the pulse against the closed form of a half sine (tests)
@@ -101,11 +101,15 @@ def _motion(sweep: Sweep, point: Point, amplitude: float) -> Motion:
 
 
 def _span(sweep: Sweep, point: Point) -> float:
-    """End of the runs of a point [s]."""
+    """End of the runs of a point [s]: of a pulse, once the block has as good as fallen or come down.
+
+    That takes some 20/p, here the next power of two [s], so that blocks of many sizes have few spans.
+    """
     kind = sweep.excitations[point["excitation"]]
     if kind["kind"] == RAMP:
         return float(kind["duration"])
-    return 5.0 / point["frequency"] + float(kind["after"])
+    needed = 2.0 ** math.ceil(math.log2(20.0 / block_of(point, sweep.run["depth"]).p()))
+    return 5.0 / point["frequency"] + max(float(kind["after"]), needed)
 
 
 def _peak(motion: Motion, until: float) -> float:
@@ -308,13 +312,13 @@ def evaluate(declared: Mapping[str, Any], where: Sequence[tuple[int, int]]) -> d
             found.outcome[i] = DECLINED
             reasons.add(f"{point['method']}: {reason}")
             continue
-        # Runs of a batch end together: pulses of one frequency.
+        # Runs of a batch end together.
         ramp = sweep.excitations[point["excitation"]]["kind"] == RAMP
         key = (
             point["method"],
             point["excitation"],
             ramp,
-            0.0 if ramp else point["frequency"],
+            _span(sweep, point),
             point["restitution"] == 1.0,
         )
         groups.setdefault(key, []).append(i)

@@ -104,6 +104,22 @@ def test_least_amplitude_of_a_pulse_is_between_standing_and_falling(tmp_path):
         assert solve(Method1(Block(0.15, 0.5), form="linear"), motion, t_end=11.0).overturned is falls
 
 
+def test_a_large_block_is_watched_until_it_is_down(tmp_path):
+    """20/p of a block of 25 m is 26 s; six seconds after the pulse the slow ones are still on their way."""
+    from excitation import HalfSinePulse
+
+    sweep = Sweep(
+        axes={"h": [0.5, 25.0]}, fixed={"slenderness": 0.2, "frequency": 1.0, "excitation": "pulse"},
+        excitations={"pulse": {"kind": "HalfSinePulse"}}, run={"form": "nonlinear"},
+    )  # fmt: skip
+    with run(sweep, tmp_path / "s.nc", progress=False, workers=1) as ds:
+        found = float(ds.overturning_amplitude.sel(h=25.0))
+    for factor, falls in ((1.0 - 1e-5, False), (1.0 + 1e-5, True)):
+        motion = HalfSinePulse(amplitude=factor * found, period=1.0)
+        whole = solve(Method1(Block(5.0, 25.0), form="nonlinear"), motion, t_end=90.0, solver="scipy", save_at=())
+        assert whole.overturned is falls
+
+
 def test_what_does_not_fall_and_what_is_declined_is_flagged(tmp_path):
     weak = {"ramp": {"kind": "ramped_sinusoid", "duration": 5.0, "final_amplitude": 2.0}}
     sweep = Sweep(axes={"method": ["method1", "dem"], "restitution": [0.5, 1.0]}, excitations=weak)
