@@ -38,7 +38,7 @@ def check(ds: xr.Dataset) -> xr.Dataset:
 
 STUDY = Study(
     name="fig17",
-    title="Frames of the response of a free column of two blocks at 3 Hz (Fig. 17)",
+    title="Frames of the response of a free column of two blocks (Fig. 17)",
     about="How does a column of two blocks come to fall? One run, in frames.",
     plan=lambda options: column_runs.plan_of(COLUMN, options),
     dataset=column_runs.dataset,

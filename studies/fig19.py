@@ -65,7 +65,7 @@ STUDY = Study(
     figures={"fig19": figure},
     check=check,
     arguments=columns_figures.arguments,
-    example='ds.overturning_amplitude.median("tiny").plot.line(x="frequency", hue="column")',
+    example='ds.overturning_amplitude.median("tiny", skipna=False).plot.line(x="frequency", hue="column")',
 )
 
 if __name__ == "__main__":

@@ -58,7 +58,7 @@ STUDY = Study(
     figures={"fig23": figure},
     check=check,
     arguments=columns_figures.arguments,
-    example='ds.overturning_amplitude.median("tiny").plot.line(x="frequency")',
+    example='ds.overturning_amplitude.median("tiny", skipna=False).plot.line(x="frequency")',
 )
 
 if __name__ == "__main__":

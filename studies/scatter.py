@@ -97,10 +97,10 @@ def jumps(settings: Settings, frequency: float, bounce: float) -> dict[str, Any]
     heights = np.array([z[w].max() if z[w].size else 0.0 for w in windows])
     path = np.abs(np.diff(marker(run, (0.0, 0.0))[0]))
     before = run.t[1:] <= fell
-    inside = np.isin(run.mode[1:], flying) & before
+    inside, whole = np.isin(run.mode[1:], flying) & before, float(path[before].sum())
     return {
         "length": np.array(ends) - starts, "height": np.maximum(heights, 0.0),
-        "share": float(path[inside].sum() / path[before].sum()),
+        "share": float(path[inside].sum()) / whole if whole > 0.0 else np.nan,  # it stood still
     }  # fmt: skip
 
 

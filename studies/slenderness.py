@@ -130,8 +130,8 @@ def figure(ds: xr.Dataset) -> Figure:
     caption(
         fig,
         f"Blocks of one height on a ramp to {float(ds.attrs['ramp']) / G:.2g} g in {float(ds.attrs['duration']):g} s. "
-        "Notice: below some frequency a block falls within a period of the start of rocking; that frequency depends on "
-        "b/h. A block that stands at the end of the ramp is counted as rocking until then.",
+        "Notice below which frequency a block falls within a period of the start of rocking, and whether that depends "
+        "on b/h (right). A block that stands at the end of the ramp is counted as rocking until then.",
     )
     return fig
 

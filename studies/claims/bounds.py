@@ -254,11 +254,12 @@ _ALL = (
     ),
     Claim(
         "earthquakes.column", "A column of two falls earlier than one block of its outline", "beyond the paper",
-        "share of the motions in which it does", ">", 0.5, depends="motions, friction",
+        "share of the motions that fell one of them in which it does", ">", 0.5, depends="motions, friction",
     ),
     Claim(
         "earthquakes.vertical", "Vertical motion changes little of who falls", "beyond the paper",
-        "largest share of the motions in which it changes the median felling acceleration class", "<=", 0.2,
+        "share of the motions that fell a scene whose least felling peak is another one of the grid, larger of the two",
+        "<=", 0.2,
         depends="motions, size of the vertical motion, width of the classes of acceleration",
     ),
     Claim(

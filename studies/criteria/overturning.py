@@ -1,7 +1,7 @@
 """The criterion of overturning of one block under a ramped sinusoid, by each of the three methods.
 
 The criterion is the envelope of the base acceleration at the last instant at which |theta| passes the tilt of unstable
-balance before the block falls.
+balance before the block falls; where effects change the base, that of the acceleration that is asked of it.
 
 Source   Winkler, Meguro & Yamazaki (1995), "Criteria of overturning for single blocks".
 """
@@ -63,8 +63,13 @@ class Settings:
         """Those that act on the block itself, rather than on the base or a sensor."""
         return tuple(e for e in self.effects if e.ways() - {"base_motion", *OF_THE_SENSOR})
 
+    @property
+    def effects_on_base(self) -> tuple[Effect, ...]:
+        """Those that make another motion of the one that is asked for."""
+        return tuple(e for e in self.effects if "base_motion" in e.ways())
+
     def motion(self, frequency: float) -> RampedSinusoid:
-        """The base motion at a frequency [Hz]."""
+        """The base motion at a frequency [Hz], before effects on it."""
         return RampedSinusoid(frequency, self.duration, self.ramp, imperfection=self.imperfection, seed=self.seed)
 
 
@@ -72,7 +77,7 @@ class Settings:
 class Criterion:
     """What one run gave; NaN where it gave none, and then `note` says why."""
 
-    amplitude: float  # envelope at overturning [m/s^2]
+    amplitude: float  # envelope at overturning [m/s^2], before effects on the base
     time: float  # of overturning [s]
     mode_fraction: NDArray[np.float64]  # share of the time until overturning in each mode, shape (6,)
     mode_fraction_late: NDArray[np.float64]  # the same for the second half of that time

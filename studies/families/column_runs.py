@@ -24,6 +24,9 @@ from studies.running.labelled import PAPER
 from studies.running.parts import Parts
 from studies.specimens import specimen
 
+PAPER_HZ = 3.0
+"""Frequency [Hz] of the paper's run, of which its statements speak."""
+
 LAST = 3.0
 """Time [s] before the end that the GIF shows."""
 
@@ -36,13 +39,15 @@ class RunPlan:
     """One run."""
 
     column: Column
-    frequency: float = 3.0
+    frequency: float = PAPER_HZ
     settings: ColumnSettings = field(default_factory=ColumnSettings)
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """--frequency, --ramp and --friction."""
-    parser.add_argument("--frequency", type=float, default=3.0, metavar="HZ", help="of the base motion (default: 3)")
+    parser.add_argument(
+        "--frequency", type=float, default=PAPER_HZ, metavar="HZ", help="of the base motion (default: 3)"
+    )
     parser.add_argument(
         "--ramp",
         type=float,
@@ -105,11 +110,17 @@ def dataset(plan: RunPlan, parts: Parts) -> xr.Dataset:
     )
     a_x = {"units": "m s-2", "long_name": "horizontal base acceleration"}
     ds["base_acceleration"] = ("time", base(run.time)[0], a_x)
+    ds.attrs["scene"] = ds.attrs.pop("title")
     found = stages(ds, specimen(plan.settings.block).alpha)
     ds["stage_time"] = ("stage", list(found.values()), {"units": "s", "long_name": "when the stage is reached"})
     ds = ds.assign_coords(stage=("stage", list(found), {"long_name": "stage of the response"}))
     ds.attrs |= {"references": f"{PAPER}, Figs 17, 20 and 22", "frequency": plan.frequency, "plan": repr(asdict(plan))}
     return ds
+
+
+def said_of(ds: xr.Dataset, number: float) -> float:
+    """The number if the run has the frequency of which the paper speaks; NaN, not known, if it has another."""
+    return number if float(ds.attrs["frequency"]) == PAPER_HZ else math.nan
 
 
 def stage_times(ds: xr.Dataset) -> dict[str, float]:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
 
@@ -26,6 +26,7 @@ from studies.running.command_line import positive
 from studies.running.labelled import FREQUENCIES, PAPER, QUICK_FREQUENCIES, frequency_axis, gathered, names_axis
 from studies.running.parts import Parts
 from studies.running.plot import caption, new_figure
+from studies.running.study import settings_of
 from studies.specimens import specimen
 
 TINY = (-2e-6, -1e-6, 0.0, 1e-6, 2e-6)
@@ -138,7 +139,7 @@ def _choices(plan: ColumnsPlan) -> dict[str, Any]:
     s, block = plan.settings, specimen(plan.settings.block)
     return {
         "references": f"{PAPER}, Figs 18, 19 and 23",
-        "settings": json.dumps(asdict(plan)),
+        "settings": settings_of(plan),
         "specimen": f"blocks of {block.b:g} x {block.h:g} x {block.d:g} m, {block.mass:.4g} kg",
         "ramp_choice": f"linear envelope to {s.ramp:.6g} m/s^2 in {s.duration:g} s; the paper prints about 90 s",
         "friction_choice": f"{s.friction:g} for all contacts; the paper says that it exceeds b/h",

@@ -147,10 +147,12 @@ def figure(ds: xr.Dataset, text: str) -> Figure:
     axes = fig.subplots(1, len(methods), sharey=True, squeeze=False)[0]
     for ax, method in zip(axes, methods, strict=True):
         _panel(ax, ds, method)
-    axes[0].set_ylim(0.0, 1.25 * float((ds.onset_acceleration / G).max()))
+    # Where nothing rocks, West's lines are all there is to see.
+    axes[0].set_ylim(0.0, 1.25 * float(np.fmax(ds.onset_acceleration.max(), ds.west.max())) / G)
     axes[0].set_ylabel("Base acceleration at the\nstart of rocking [g]")
     axes[-1].plot([], [], color="0.2", ls="none", marker="_", ms=9, mew=1.5, label="at lift-off itself")
     axes[-1].plot([], [], color="0.35", lw=0.9, ls=(0, (1, 2)), label="West: (b/h) g, band of 10 %")
     axes[-1].legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), frameon=False, fontsize=8.5)
-    caption(fig, text)
+    missing = int(ds.onset_acceleration.isnull().sum())
+    caption(fig, f"{text} At {missing} points no corner rose as far, or the run was declined." if missing else text)
     return fig

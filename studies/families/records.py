@@ -7,6 +7,7 @@ Status   the reading: `studies.criteria.pickups`
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -106,11 +107,12 @@ def error(ds: xr.Dataset) -> xr.DataArray:
 
 
 def _zoom(ax: Any, ds: xr.Dataset, marks: Sequence[tuple[float, str, str]], width: float) -> None:
-    middle = np.nanmean([t for t, _, _ in marks])
-    near = ds.sel(time=slice(middle - width, middle + width))
+    known = [t for t, _, _ in marks if math.isfinite(t)]
+    near = ds.sel(time=slice(np.mean(known) - width, np.mean(known) + width)) if known else ds
     ax.plot(near.time, near.reading, color="0.15", lw=0.7)
     for t, colour, label in marks:
-        ax.axvline(t, color=colour, ls="--" if "read" in label else "-", lw=1.4, label=f"{label}: {t:.2f} s")
+        when = f"{t:.2f} s" if math.isfinite(t) else "none"
+        ax.axvline(t, color=colour, ls="--" if "read" in label else "-", lw=1.4, label=f"{label}: {when}")
     ax.set_xlabel("Time [s]")
     ax.set_ylabel("Reading [m/s²]")
     low, high = ax.get_ylim()

@@ -62,16 +62,20 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def plan_of(options: argparse.Namespace) -> FreePlan:
-    """The plan that the command line asks for."""
-    restitutions = options.restitution or [specimen(BLOCK).housner_restitution, 0.93]
+    """The plan that the command line asks for; a restitution that is given twice is taken once.
+
+    Raises:
+        BadInputError: an option's value is not one that it can have.
+    """
+    restitutions = tuple(dict.fromkeys(options.restitution or (specimen(BLOCK).housner_restitution, 0.93)))
     for value in restitutions:
         if not 0.0 < value < 1.0:
             raise BadInputError(f"--restitution {value:g}: want more than 0, less than 1")
     if not 0.0 < options.release < 1.0:
         raise BadInputError(f"--release {options.release:g}: want more than 0, less than 1")
     if options.quick:
-        return FreePlan(tuple(restitutions), options.release, factors=(0.5, 1.0, 2.0), ratios=RATIOS[::4])
-    return FreePlan(tuple(restitutions), options.release)
+        return FreePlan(restitutions, options.release, factors=(0.5, 1.0, 2.0), ratios=RATIOS[::4])
+    return FreePlan(restitutions, options.release)
 
 
 def _one(plan: FreePlan, e: float) -> Result:

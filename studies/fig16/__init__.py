@@ -20,6 +20,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from rocking.effect import OF_THE_SENSOR, Effect
 from rocking.effects import parse
 from rocking.solvers import available
 from studies.criteria.overturning import METHOD_LABELS, METHODS, Settings
@@ -60,7 +61,8 @@ def _arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--effect", action="append", default=[], metavar="NAME.PARAMETER=NUMBER",
-        help="something real that the ideal block lacks, as rounded_edges.radius=0.003 [SI units]; may be repeated",
+        help="something real that the ideal block or base lacks, as rounded_edges.radius=0.003 [SI units]; may be "
+        "repeated with other parameters; effects on a sensor alone are refused",
     )  # fmt: skip
     parser.add_argument(
         "--no-sensitivity", action="store_true", help="leave out the runs with other friction, restitution, ramp ..."
@@ -72,6 +74,26 @@ def _block_numbers(values: Sequence[Any]) -> list[int]:
         if not str(value).isdecimal():
             raise BadInputError(f"--blocks {value}: want one of {', '.join(map(str, SIZES))}")
     return one_of("--blocks", [int(value) for value in values], tuple(SIZES))
+
+
+def _effects(texts: Sequence[str]) -> tuple[Effect, ...]:
+    """The effects asked for, each of which has a say here.
+
+    Raises:
+        BadInputError: one cannot be read, is given twice, or acts on a sensor alone, of which no run here has any.
+    """
+    given = [text.partition("=")[0].strip() for text in texts]
+    twice = next((name for name in given if given.count(name) > 1), None)
+    if twice is not None:
+        raise BadInputError(f"--effect {twice}: given twice, want it once")
+    try:
+        effects = parse(texts)
+    except ValueError as error:
+        raise BadInputError(f"--effect: {error}") from None
+    for effect in effects:
+        if effect.ways() <= OF_THE_SENSOR:
+            raise BadInputError(f"--effect {effect.name}: acts on a rotation sensor alone; want one on block or base")
+    return effects
 
 
 def plan_of(arguments: argparse.Namespace) -> Plan:
@@ -89,16 +111,12 @@ def plan_of(arguments: argparse.Namespace) -> Plan:
     if arguments.restitution is not None and not 0.0 <= arguments.restitution <= 1.0:
         raise BadInputError(f"--restitution {arguments.restitution:g}: want 0 to 1")
     positive("--ramp", arguments.ramp)
-    try:
-        effects = parse(arguments.effect)
-    except ValueError as error:
-        raise BadInputError(f"--effect: {error}") from None
     settings = Settings(
         ramp=arguments.ramp * G,
         friction=arguments.friction,
         restitution=arguments.restitution,
         solver=arguments.solver,
-        effects=effects,
+        effects=_effects(arguments.effect),
     )
     variations = () if arguments.no_sensitivity else VARIATIONS + SCATTER
     if arguments.quick:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -65,7 +66,8 @@ def figure(ds: xr.Dataset) -> Figure:
     for column, block in enumerate(blocks):
         _criteria_panel(axes[0, column], ds, block)
         _mode_panel(axes[1, column], ds, block)
-    axes[0, 0].set_ylabel("Envelope of base acceleration\nat overturning [g]")
+    commanded = "commanded " if "commanded" in ds.overturning_amplitude.attrs["long_name"] else "base "
+    axes[0, 0].set_ylabel(f"Envelope of {commanded}acceleration\nat overturning [g]")
     axes[1, 0].set_ylabel("Share of time until\noverturning")
     axes[0, -1].legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), frameon=False)
     bars = [METHOD_LABELS[m] for m in ds.method.values if m != "method1"] or ["Method 1"]
@@ -76,12 +78,33 @@ def figure(ds: xr.Dataset) -> Figure:
     restitution = "Housner's" if settings["restitution"] == "none" else f"{settings['restitution']:g}"
     caption(
         fig,
-        "After Fig. 16 of Winkler, Meguro & Yamazaki (1995). Notice: Method 1, which only rocks, needs an acceleration "
-        "that grows with frequency, while Method 2 and DEM, which may slide and jump, level off. Not printed in the "
+        f"After Fig. 16 of Winkler, Meguro & Yamazaki (1995). {_notice(settings['effects'])} Not printed in the "
         f"paper and chosen here: ramp to {settings['ramp'] / G:.3g} g in {settings['duration']:g} s, friction "
-        f"{settings['friction']:g}, restitution {restitution}. A gap means no overturning within the ramp.",
+        f"{settings['friction']:g}, restitution {restitution}. {_gaps(ds)}",
     )
     return fig
+
+
+def _notice(effects: Collection[str]) -> str:
+    """What is to be seen of the ideal blocks, and what is to be asked of others."""
+    if not effects:
+        return (
+            "Notice: Method 1, which only rocks, needs an acceleration that grows with frequency, while Method 2 and "
+            "DEM, which may slide and jump, level off."
+        )
+    return (
+        f"With {', '.join(effects)}. Notice whether Method 1 needs an acceleration that grows with frequency here, "
+        "too, and whether Method 2 and DEM level off; West's line is of a block and a base without that."
+    )
+
+
+def _gaps(ds: xr.Dataset) -> str:
+    """Why points are missing."""
+    kinds = [str(note).partition(":")[0] for note in ds.note.values[ds.overturning_amplitude.isnull().values]]
+    other = [f"{kinds.count(kind)} {kind}" for kind in ("declined", "failed") if kind in kinds]
+    if not other:
+        return "A gap means no overturning within the ramp."
+    return f"A gap means no overturning within the ramp, or no run: {' and '.join(other)} (see `note`)."
 
 
 def _scatter_band(ax: Any, ds: xr.Dataset, method: str, nominal: xr.DataArray) -> None:

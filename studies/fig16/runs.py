@@ -22,6 +22,7 @@ from studies.criteria.free_vibration import DashpotFit, fit_dashpot, swing_resti
 from studies.criteria.overturning import METHODS, STIFFNESS, Criterion, Settings, overturning, system_of
 from studies.fig16.sensitivity import SCATTER, VARIATIONS, Variation
 from studies.running.parts import Parts
+from studies.running.study import settings_of
 from studies.specimens import specimen
 
 FREQUENCIES = tuple(np.arange(1.0, 5.01, 0.5))
@@ -127,13 +128,15 @@ def _variables(plan: Plan, results: dict[Job, Criterion]) -> dict[str, Any]:
         amplitude[at], when[at], notes[at] = found.amplitude, found.time, found.note
         fractions[0][at], fractions[1][at] = found.mode_fraction, found.mode_fraction_late
     dims = ("method", "block", "frequency")
+    # The criterion is read off the motion that is asked for; effects on the base make another one of it.
+    whose = "commanded base acceleration" if plan.settings.effects_on_base else "base acceleration"
     reference = "Winkler, Meguro & Yamazaki (1995), Fig. 16"
     variables = {
         "overturning_amplitude": (
             dims, amplitude,
             {
                 "units": "m s-2", "reference": reference,
-                "long_name": "envelope of the base acceleration at overturning",
+                "long_name": f"envelope of the {whose} at overturning",
             },
         ),
         "overturning_time": (dims, when, {"units": "s", "long_name": "time of overturning", "reference": reference}),
@@ -160,7 +163,7 @@ def _variables(plan: Plan, results: dict[Job, Criterion]) -> dict[str, Any]:
                 dims, varied,
                 {
                     "units": "m s-2", "reference": reference,
-                    "long_name": "envelope at overturning with one parameter changed",
+                    "long_name": f"envelope of the {whose} at overturning with one parameter changed",
                 },
             ),
             "varied_note": (dims, varied_notes.astype(str), {"long_name": "overturned, or why there is no amplitude"}),
@@ -288,7 +291,7 @@ def dataset(plan: Plan, parts: Parts | None = None) -> xr.Dataset:
     settings = {k: ("none" if v is None else v) for k, v in asdict(replace(plan.settings, effects=())).items()}
     settings["effects"] = {effect.name: effect.parameters() for effect in plan.settings.effects}
     ds.attrs = (
-        {"references": "Winkler, Meguro & Yamazaki (1995), Fig. 16", "settings": json.dumps(settings)}
+        {"references": "Winkler, Meguro & Yamazaki (1995), Fig. 16", "settings": settings_of(settings)}
         | _choices(plan)
         | _dem_attributes(plan)
         | {"sensitivity_block": plan.sensitivity_block}

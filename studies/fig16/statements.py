@@ -7,12 +7,14 @@ Source   Winkler, Meguro & Yamazaki (1995), section "Criteria of overturning for
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
 import xarray as xr
 
 from rocking import G_STANDARD
+from rocking.effects import load
 from studies.claims.bounds import CLAIMS
 from studies.running.statements import Finding, listed, table
 
@@ -21,7 +23,7 @@ def _linearity(ds: xr.Dataset) -> dict[str, float]:
     """r^2 by block of a straight line through Method 1's criteria."""
     found = {}
     for block, curve in ds.overturning_amplitude.sel({"method": "method1"}).groupby("block"):
-        known = curve.squeeze().dropna("frequency")
+        known = curve.squeeze("block").dropna("frequency")
         few = known.sizes["frequency"] < 3
         found[f"Block {block}"] = math.nan if few else float(np.corrcoef(known.frequency, known)[0, 1]) ** 2
     return found
@@ -48,12 +50,21 @@ def _sliding_rotation(ds: xr.Dataset, method: str) -> float:
     return float(share.sel(mode="slide_rotation").mean())
 
 
+def _begins_at_west(ds: xr.Dataset) -> bool:
+    """Whether rocking begins where the envelope of the file passes (b/h) g: no effect bears on the base or lift-off."""
+    effects = json.loads(ds.attrs.get("settings", "{}")).get("effects", {})
+    return all(load(name).ways() <= {"restitution", "modes"} for name in effects)
+
+
 def _periods_from_onset(ds: xr.Dataset) -> dict[str, float]:
-    """At the lowest frequency, periods from when the envelope passes (b/h) g until overturning, by run."""
+    """At the lowest frequency, periods from when the envelope passes (b/h) g until overturning, by run.
+
+    NaN where an effect moves the start of rocking elsewhere.
+    """
     slow = ds.isel(frequency=0)
     # The envelope is a straight line through zero, so time is proportional to it.
     onset = slow.overturning_time * (slow.b / slow.h * G_STANDARD) / slow.overturning_amplitude
-    periods = (slow.overturning_time - onset) * slow.frequency
+    periods = ((slow.overturning_time - onset) * slow.frequency).where(_begins_at_west(ds))
     return {
         f"{method}, Block {block}": float(periods.sel({"method": method, "block": block}))
         for method in ds.method.values

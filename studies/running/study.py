@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, is_dataclass
@@ -80,7 +81,19 @@ def parser_of(study: Study) -> argparse.ArgumentParser:
 
 def settings_of(plan: Any) -> str:
     """The plan as JSON, for the attributes."""
-    return json.dumps(asdict(plan) if is_dataclass(plan) and not isinstance(plan, type) else plan, default=repr)
+    said = asdict(plan) if is_dataclass(plan) and not isinstance(plan, type) else plan
+    return json.dumps(_finite(said), default=repr, allow_nan=False)
+
+
+def _finite(said: Any) -> Any:
+    """The same as JSON can say it: NaN, which stands for what is not given, as null, and infinities as words."""
+    if isinstance(said, Mapping):
+        return {key: _finite(value) for key, value in said.items()}
+    if isinstance(said, list | tuple):
+        return [_finite(value) for value in said]
+    if isinstance(said, float) and not math.isfinite(said):
+        return None if math.isnan(said) else repr(said)
+    return said
 
 
 def inputs_of(study: Study, plan: Any) -> str:
@@ -102,7 +115,7 @@ def there_already(path: Path, inputs: str) -> xr.Dataset | None:
 def _computed(study: Study, plan: Any, inputs: str, path: Path, workers: int | None, command: str) -> xr.Dataset:
     parts = Parts(path.with_name(".runs"), workers)
     ds = study.dataset(plan, parts)
-    ds.attrs = provenance(study.title, command) | ds.attrs
+    ds.attrs |= provenance(study.title, command)  # of a run that is part of the study there may be another title
     ds.attrs = {"settings": settings_of(plan), "references": PAPER} | ds.attrs | {"study": study.name, "inputs": inputs}
     statements = study.check(ds)
     if statements.sizes["statement"]:

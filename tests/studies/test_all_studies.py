@@ -1,5 +1,6 @@
 """Every study, quick: files, CF, captions, examples, statements; and what is there is not computed again."""
 
+import json
 import runpy
 import sys
 from pathlib import Path
@@ -62,6 +63,8 @@ def test_quick_study_writes_files_that_keep_cf_and_pictures_with_captions(name, 
     with xr.open_dataset(folder / f"{name}.nc") as ds:
         for attribute in ("commit", "command", "inputs", "study"):
             assert ds.attrs[attribute]
+        assert ds.attrs["title"] == STUDIES[name].title  # not that of a run in it
+        json.loads(ds.attrs["settings"], parse_constant=lambda word: pytest.fail(f"settings: {word} is no JSON"))
     pictures = [path for path in written if path.suffix == ".png"]
     assert pictures
     for path in pictures:

@@ -1,11 +1,16 @@
 """Displacements integrated from accelerometers: each reading has errors of its own."""
 
+import math
+
 import numpy as np
 import pytest
+import xarray as xr
 
 from rocking import Method1, solve
 from studies import dead_reckoning
 from studies.dead_reckoning import BLOCK, CALIBRATION, KNOWN_TO, NOISE, SAMPLE, Job, _error, reconstructed
+from studies.running.statements import HOLDS, UNDECIDED
+from studies.running.study import parser_of
 from studies.specimens import specimen
 
 H = specimen(BLOCK).h
@@ -56,3 +61,31 @@ def test_gains_and_noises_of_the_two_pickups_are_drawn_one_by_one(monkeypatch: p
     assert gains.std(axis=0) == pytest.approx(CALIBRATION, rel=0.6)
     assert abs(np.corrcoef(gains.T)[0, 1]) < 0.75
     assert np.std(angles) == pytest.approx(KNOWN_TO, rel=0.6)
+
+
+def _checked(long, error):
+    names = dead_reckoning.cases(long)
+    values = np.array([[error[name]] * 3 for name in names])
+    over = ("case", "seed")
+    ds = xr.Dataset({"error": (over, values), "good_until": (over, np.ones_like(values))}, {"case": list(names)})
+    found = dead_reckoning.check(ds)
+    verdicts = dict(zip(found.statement_key.values, found.statement_holds.values.tolist(), strict=True))
+    return {key.partition(".")[2]: verdict for key, verdict in verdicts.items()}
+
+
+def test_what_ran_away_has_no_error_to_compare() -> None:
+    """1 mrad grows by e^22 in 7 s: past the height of the block whatever the sign, as 1 % of calibration does."""
+    lost = [_error(Job(case, 0, 90.0)) for case in ("angle alone", "calibration alone")]
+    assert [found["error"] for found in lost] == [math.inf, math.inf]
+    assert all(0.5 < found["good_until"] < 3.0 for found in lost)
+    errors = dict.fromkeys(dead_reckoning.cases(90.0), math.inf)
+    assert _checked(90.0, errors)["angle"] == UNDECIDED
+    assert _checked(90.0, errors | {"calibration alone": 0.5})["angle"] == HOLDS
+
+
+def test_a_shorter_ramp_is_named_and_decides_nothing_of_90_s() -> None:
+    quick = dead_reckoning.plan_of(parser_of(dead_reckoning.STUDY).parse_args(["--quick"]))
+    names = dead_reckoning.cases(quick.long)
+    assert f"{quick.long:g} s" in names and "90 s" not in names
+    assert _checked(quick.long, dict.fromkeys(names, math.inf))["long"] == UNDECIDED
+    assert _checked(90.0, dict.fromkeys(dead_reckoning.cases(90.0), math.inf))["long"] == HOLDS

@@ -1,5 +1,7 @@
 """Fig. 16 from the command line to the pictures."""
 
+import json
+import math
 import subprocess
 import sys
 from dataclasses import replace
@@ -8,11 +10,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from rocking.effects.base_motion_gain import BaseMotionGain
 from rocking.effects.rounded_edges import RoundedEdges
+from rocking.effects.sliding import Sliding
 from studies import fig16
+from studies.criteria.overturning import Settings
 from studies.fig16.drawing import figure, sensitivity_figure
 from studies.fig16.statements import check
-from studies.running.study import parser_of
+from studies.running.study import parser_of, settings_of
 from studies.specimens import specimen
 
 
@@ -218,3 +223,63 @@ def test_a_restitution_that_method_2_does_not_have_is_not_said_of_it(name):
     assert said.startswith(
         "0.9 for Methods 1 and 2;" if name == "restitution" else "Housner's 1 - 1.5 sin^2(alpha) for Method 1 (that of"
     )
+
+
+def _few(**settings):
+    plan = fig16.Plan(methods=("method1", "method2"), blocks=(3,), frequencies=(1.0,), variations=())
+    return fig16.dataset(replace(plan, settings=replace(plan.settings, **settings)))
+
+
+def test_a_gap_is_explained_by_its_own_reason(quick):
+    said = " ".join(figure(quick[2]).get_supxlabel().split())
+    assert "Notice: Method 1, which only rocks," in said and said.endswith(
+        "A gap means no overturning within the ramp."
+    )
+    ds = _few(effects=(Sliding(friction=0.5),))
+    assert ds.note.values.ravel()[1].startswith("declined: sliding:")
+    said = " ".join(figure(ds).get_supxlabel().split())
+    assert said.endswith("A gap means no overturning within the ramp, or no run: 1 declined (see `note`).")
+    assert "With sliding. Notice whether" in said and "only rocks" not in said
+
+
+def test_where_the_base_is_another_than_asked_for_the_criterion_is_that_of_the_command():
+    """A gain of 0.2: a command five times as large moves the block as the plain base does; West's (b/h) g is passed
+    by the base, of which the file has no envelope."""
+    plain = _few()
+    weak = _few(effects=(BaseMotionGain(gain=0.2),), ramp=5.0 * Settings().ramp)
+    name = "overturning_amplitude"
+    assert weak[name].values == pytest.approx(5.0 * plain[name].values, rel=1e-6)
+    assert plain[name].attrs["long_name"] == "envelope of the base acceleration at overturning"
+    assert weak[name].attrs["long_name"] == "envelope of the commanded base acceleration at overturning"
+    labels = [figure(ds).axes[0].get_ylabel() for ds in (plain, weak)]
+    assert labels == [f"Envelope of {word} acceleration\nat overturning [g]" for word in ("base", "commanded")]
+
+    def periods(ds):
+        return dict(zip(*(check(ds)[f"statement_{part}"].values for part in ("key", "number")), strict=True))[
+            "fig16.at_once"
+        ]
+
+    assert np.isfinite(periods(plain)) and np.isnan(periods(weak))
+    lossy = plain.assign_attrs({"settings": json.dumps({"effects": {"velocity_dependent_restitution": {}}})})
+    assert periods(lossy) == periods(plain)  # which bears on impacts alone
+
+
+@pytest.mark.parametrize("name", ["rotation_gain.gain=2", "rotation_offset.offset=0.01"])
+def test_effects_that_have_no_say_here_are_refused(name):
+    parser = parser_of(fig16.STUDY)
+    with pytest.raises(fig16.BadInputError, match="acts on a rotation sensor alone; want one on block or base"):
+        fig16.plan_of(parser.parse_args(["--effect", name]))
+    twice = ["--effect", "rounded_edges.radius=0.003", "--effect", "rounded_edges.radius=0.004"]
+    with pytest.raises(fig16.BadInputError, match=r"^--effect rounded_edges\.radius: given twice, want it once"):
+        fig16.plan_of(parser.parse_args(twice))
+
+
+def test_settings_are_json_for_every_reader():
+    def refused(word):
+        raise ValueError(f"{word} is no JSON")
+
+    settings = json.loads(_few().attrs["settings"], parse_constant=refused)
+    assert settings["damping"] is None  # not given: distinct elements alone have one
+    assert json.loads(settings_of({"a": [math.nan, math.inf, 1.0]}), parse_constant=refused) == {
+        "a": [None, "inf", 1.0]
+    }

@@ -68,3 +68,18 @@ def test_a_disturbed_block_that_did_not_rock_leaves_unknown_what_is_said_of_the_
     for name in ("disturbed_lift_acceleration", "disturbed_onset_acceleration"):
         ds[name] = ds[name].where((ds.frequency < 5.0) | (ds.way > 0.0))
     assert np.isnan(numbers()).tolist() == [True] * len(words)
+
+
+@pytest.mark.parametrize("study", WORDS, ids=lambda study: study.STUDY.name)
+@pytest.mark.parametrize("rocking", ["none", "one point less"])
+def test_what_did_not_rock_is_said_below_the_drawing(study, rocking):
+    ds = _ideal(study)
+    count = ds.onset_acceleration.size if rocking == "none" else 1
+    known = ds.onset_acceleration.values.ravel()
+    known[:count] = np.nan
+    ds["onset_acceleration"] = (ds.onset_acceleration.dims, known.reshape(ds.onset_acceleration.shape))
+    drawn = study.figure(ds)
+    top = np.fmax.reduce(np.append(known, ds.west.values)) / G_STANDARD
+    assert drawn.axes[0].get_ylim() == pytest.approx((0.0, 1.25 * top))
+    assert f"At {count} points no corner rose as far" in " ".join(drawn.get_supxlabel().split())
+    assert "no corner rose" not in study.figure(_ideal(study)).get_supxlabel()
