@@ -82,7 +82,9 @@ def _test(file: Path, entry: DeclaredTest, channels: Sequence[Channel]) -> Test:
     path = record_path(file.parent, entry.data, where)
     data = read_record(path, shown(entry.data)[1:-1], frozenset(c.name for c in channels))
     time = data.pop("time")
-    present = tuple(c for c in channels if c.name in data)
+    # A base channel of a free test that is empty throughout was not measured.
+    empty = {n for n, v in data.items() if entry.kind == "free" and not np.isfinite(v).any()}
+    present = tuple(c for c in channels if c.name in data and (c.is_response or c.name not in empty))
     if entry.kind == "forced" and not any(c.kind == "base_acceleration_x" for c in present):
         found = shown(entry.data)
         raise CampaignError(f"{where}: {found} has no column of kind base_acceleration_x, want one in a forced test")

@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 
 from studies.campaigns import Campaign
+from studies.campaigns.lost_base import used
 from studies.loop.fits.fitting import Fit
 from studies.loop.learned_curves import Curve, curves
 from studies.loop.models.model import LoopModel
@@ -146,6 +147,7 @@ def close(
     Raises:
         CampaignError: the data cannot support a finding; it says why.
     """
+    campaign = used(campaign)
     declared = as_declared(campaign, STANDARD_GRAVITY if g is None else g)
     setup = prepare(campaign, declared, keeper)
     tell("calibrating the ideal block")
@@ -175,6 +177,10 @@ def close(
     models = {"declared": declared, "before": before.whole.model, "after": after.whole.model}
     windows = {"declared": setup.whole, "before": before.whole.windows, "after": after.whole.windows}
     all_errors = {name: errors(setup, model, windows[name]) for name, model in models.items()}
+    # Rivals are held against each other as whole records have them; what is kept is also what swings make of it.
+    rivals = tuple(
+        replace(r, holdout=all_errors["after"].holdout) if r.trial.names == chosen.names else r for r in rivals
+    )
     scored = [scored_window(setup.records, w) for w in leaning(setup, after.whole.model, setup.whole_held)]
     lean_sds = _lean_sds(setup, after.whole.model)
     spread = variances(setup.noisy, len(campaign.tests), after.whole.model, scored, lean_sds, draws=DRAWS)

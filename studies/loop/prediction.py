@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocking.effects.learned_memory import LearnedMemory
-from studies.campaigns import Campaign, Test
+from studies.campaigns import Campaign, CampaignError
+from studies.campaigns.errors import shown
+from studies.campaigns.lost_base import used
 from studies.loop.models.model import LoopModel
 from studies.loop.observed.instruments import accelerations
 from studies.loop.runs.simulation import Answer, Job, Simulator
@@ -24,6 +26,9 @@ Array = NDArray[np.float64]
 
 MOST_EVENTS = 1_000_000
 """Of a run, as of `rocking.solve`; fits give up earlier on models that rattle."""
+
+OTHER_COLUMNS = ("time", "rotation")
+"""Those of a prediction that no channel is."""
 
 
 def predict(model: LoopModel, campaign: Campaign, simulator: Simulator | None = None) -> list[Answer]:
@@ -58,8 +63,19 @@ def write_predictions(
     """Predict every test and write a CSV for each and `predict.json`; what predict.json holds is returned.
 
     A CSV holds `time` [s], `rotation` [rad] and each declared channel on the block [m/s^2]; empty fields after a fall,
-    and from where a run had to stop, which `tell` and a note in predict.json say.
+    and from where a run had to stop or the base is lost, which `tell` and a note in predict.json say.  A test that ends
+    beyond the balance and not on the way back counts as overturned.
+
+    Raises:
+        CampaignError: a channel on the block has the name of another column, or a base motion is lost from the
+            beginning.
     """
+    for channel in campaign.channels:
+        if channel.kind == "block_acceleration" and channel.name in OTHER_COLUMNS:
+            raise CampaignError(
+                f"channel {shown(channel.name)}: a prediction has a column of that name besides, want another one"
+            )
+    recorded, campaign = campaign, used(campaign)
     folder.mkdir(parents=True, exist_ok=True)
     summary: dict[str, dict[str, Any]] = {}
     simulator = simulator_of(model, campaign)
@@ -70,27 +86,36 @@ def write_predictions(
         for channel in campaign.channels:
             if channel.kind == "block_acceleration":
                 columns[channel.name] = accelerations(model, simulator, k, answer, channel)
-        _write_csv(folder / f"{test.id}.csv", test, columns, answer)
-        when = answer.overturning_time
-        summary[test.id] = {"overturned": answer.fell, "time": None if math.isnan(when) else when}
+        times = recorded.tests[k].time
+        _write_csv(folder / f"{test.id}.csv", times, columns, answer)
+        system = model.system
+        when = answer.overturning_time if answer.fell else answer.passes_balance(system, test.time)
+        overturned = answer.falls_on(system)
+        summary[test.id] = {"overturned": overturned, "time": when if overturned and math.isfinite(when) else None}
         if answer.failed:
             last = test.time[np.flatnonzero(np.isfinite(answer.y[:, 0]))].max(initial=test.time[0])
             stopped = f"the run of the model stopped after {last:g} s: what follows is not predicted"
-            summary[test.id]["note"] = stopped
-            tell(f"{test.id}: {stopped}")
+        elif test.time.size < times.size:
+            stopped = f"the base motion is lost after {test.time[-1]:g} s: what follows is not predicted"
+        else:
+            continue
+        summary[test.id]["note"] = stopped
+        tell(f"{test.id}: {stopped}")
     save_text(json.dumps({"tests": summary}, indent=1) + "\n", folder / "predict.json")
     return summary
 
 
-def _write_csv(path: Path, test: Test, columns: dict[str, Array], answer: Answer) -> None:
+def _write_csv(path: Path, times: Array, columns: dict[str, Array], answer: Answer) -> None:
     after = np.isnan(answer.y[:, 0])
 
     def write(target: Path) -> None:
         with target.open("w", newline="", encoding="utf-8") as stream:
             writer = csv.writer(stream)
             writer.writerow(["time", *columns])
-            for i, t in enumerate(test.time):
-                row = ["" if after[i] or not math.isfinite(c[i]) else f"{c[i]:.8g}" for c in columns.values()]
-                writer.writerow([f"{t:.9g}", *row])
+            for i, t in enumerate(times):
+                none = i >= after.size or after[i]
+                row = ["" if none or not math.isfinite(c[i]) else f"{c[i]:.8g}" for c in columns.values()]
+                # Clocks may count from long ago: as many digits as tell neighbours apart.
+                writer.writerow([f"{t:.15g}", *row])
 
     write_whole(path, write)

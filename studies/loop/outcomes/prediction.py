@@ -22,6 +22,7 @@ import numpy as np
 
 from studies.campaigns import Campaign, Test
 from studies.campaigns.errors import shown
+from studies.campaigns.lost_base import used
 from studies.loop.models.model import LoopModel
 from studies.loop.models.model_file import ModelError, write_model
 from studies.loop.outcomes.data import scaled
@@ -91,7 +92,7 @@ def probabilities(
     model: LoopModel, noise: Noise, campaign: Campaign, tell: Callable[[str], None] = lambda text: None
 ) -> Array:
     """Probability of falling in each test of a campaign, shape (test,)."""
-    found = falls_at_strengths([model], [noise.spread], campaign.tests, range(len(campaign.tests)), tell)
+    found = falls_at_strengths([model], [noise.spread], used(campaign).tests, range(len(campaign.tests)), tell)
     return probability(found[0], FINE, noise)
 
 

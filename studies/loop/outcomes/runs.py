@@ -40,7 +40,9 @@ class _Forgetful(Simulator):
 
 
 def falls_of(simulator: Simulator, models: Sequence[LoopModel]) -> Falls:
-    """Whether each model falls in each test, shape (model, test); a run that broke off does not count as a fall.
+    """Whether each model falls in each test, shape (model, test), or goes on to fall where its record ends.
+
+    A run that broke off does not count as a fall.
 
     Raises:
         ValueError: a model's effects do not go together or are out of range.
@@ -62,7 +64,8 @@ def _falls_of(simulator: Simulator, models: Sequence[LoopModel]) -> Falls:
         for i, test in enumerate(simulator.tests)
     ]
     answers = simulator.run(models, jobs)
-    return np.array([answer.fell for answer in answers], dtype=bool).reshape(len(models), len(simulator.tests))
+    fallen = [answer.falls_on(models[job.model].system) for job, answer in zip(jobs, answers, strict=True)]
+    return np.array(fallen, dtype=bool).reshape(len(models), len(simulator.tests))
 
 
 @dataclass

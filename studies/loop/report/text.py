@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from studies.loop.models.names import page, readable
+from studies.loop.swings.learning import LEARNED
 from studies.loop.whole.rivals import TWIN
 
 Content = dict[str, Any]
@@ -93,12 +94,13 @@ def verdict(content: Content) -> str:
     """The finding in one sentence."""
     if content["verdict"] == "none":
         return f"Nothing is missing that these records can show: for the calibrated ideal block, {falls(content)}."
-    if content["verdict"] == "unexplained":
-        return (
-            "Something is missing that no effect known to this program explains; "
-            f"with what was learned of it in the model, {falls(content)}."
-        )
     effects = listed([effect_words(content, name) for name in dict.fromkeys(content["effects"])])
+    if content["verdict"] == "unexplained":
+        missing = "Something is missing that no effect known to this program explains"
+        if any(name in LEARNED for name in content["effects"]):
+            return f"{missing}; with what was learned of it in the model, {falls(content)}."
+        known = effects or "the calibrated block alone"
+        return f"{missing}, and of which nothing could be learned; with {known}, {falls(content)}."
     return f"What the ideal block lacks is {effects}: with that in the model, {falls(content)}."
 
 

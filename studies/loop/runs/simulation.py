@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from excitation import SampledMotion
+from rocking.altered import shaking
 from rocking.composed import ComposedMethod1
 from rocking.composed_method2 import ComposedMethod2
 from rocking.effect import Seen
@@ -153,6 +154,26 @@ class Answer:
     failed: bool
     overturning_time: float  # [s], NaN if it did not fall
 
+    def falls_on(self, system: System) -> bool:
+        """Whether the end leaves the block beyond its balance and not on its way back: with the base still it falls."""
+        known = np.flatnonzero(np.isfinite(self.y[:, 0]))
+        if self.fell or self.failed or not known.size:
+            return self.fell
+        last = self.y[known[-1]]
+        state = dict(zip(system.state_names, last, strict=True))
+        beyond = float(system.balance(np, last, system.parameters)) > 0.0
+        return bool(beyond and state["omega"] * state["theta"] >= 0.0)
+
+    def passes_balance(self, system: System, times: Array) -> float:
+        """When it last passes its balance outward [s], between the samples at these times; NaN if it never does."""
+        beyond = np.array([float(system.balance(np, y, system.parameters)) for y in self.y])
+        passed = np.flatnonzero((beyond[:-1] <= 0.0) & (beyond[1:] > 0.0))
+        if not passed.size:
+            return math.nan
+        k = int(passed[-1])
+        share = beyond[k] / (beyond[k] - beyond[k + 1])
+        return float(times[k] + share * (times[k + 1] - times[k]))
+
 
 class Simulator:
     """Runs models on the tests of a campaign.
@@ -200,7 +221,9 @@ class Simulator:
 
         Every sample of the record: this is what sensors on the block read besides its motion.
         """
-        motion = self._base(model, test)
+        return self._at_samples(self._base(model, test), test)
+
+    def _at_samples(self, motion: BaseMotion, test: int) -> Base:
         key = (test, id(motion))
         if key not in self._sampled or self._sampled[key][0] is not motion:
             if len(self._sampled) > 40 * len(self.tests):
@@ -212,7 +235,8 @@ class Simulator:
 
     def seen(self, model: LoopModel, test: int, index: NDArray[np.intp] | slice = slice(None)) -> Seen:
         """What the rotation sensor feels besides the rotation, at the samples of a test or some of them."""
-        return Seen(self.tests[test].time[index] - self.spans[test][0], self.base(model, test).a_x[index])
+        a_x = self._at_samples(shaking(self._base(model, test)), test).a_x
+        return Seen(self.tests[test].time[index] - self.spans[test][0], a_x[index])
 
     def recorded(
         self, model: LoopModel, test: int, theta: Array, index: NDArray[np.intp] | slice = slice(None)

@@ -103,8 +103,8 @@ def _without(model: LoopModel, plain: LoopModel, gone: Candidate, left: Trial) -
         effect: {name: value for name, value in values.items() if f"{effect}.{name}" not in own}
         for effect, values in model.effects.items() if any(name.startswith(f"{effect}.") for name in kept)
     }  # fmt: skip
-    drift = {} if DRIFT in kept else {"drift": plain.drift, "fading": plain.fading}
-    return replace(model, effects=effects, **drift)
+    left_over = replace(model, effects=effects)
+    return left_over if DRIFT in kept else replace(left_over, drift=plain.drift, fading=plain.fading)
 
 
 def _dropped(setup: Setup, stands: Revision, others: Sequence[Trial]) -> Revision | None:

@@ -17,7 +17,7 @@ from studies.loop.finding_file import as_json
 from studies.loop.models.names import page, readable
 from studies.loop.report.figures import Points, binned
 from studies.loop.report.page import _nearest, report, write_report
-from studies.loop.report.text import evidence, number, reason, with_interval
+from studies.loop.report.text import evidence, number, reason, verdict, with_interval
 from studies.loop.whole.rivals import Rival
 
 SECTIONS = (
@@ -149,6 +149,21 @@ def test_unexplained_with_a_learned_term(tmp_path):
     assert "Torque against rotation" in seen.text["found"]
     assert "no effect known to this program explains" in seen.text["verdict"]
     assert "None is proposed" in seen.text["next"]
+
+
+@pytest.mark.parametrize(
+    ("effects", "said"),
+    [
+        (["learned_term"], "explains; with what was learned of it in the model, its"),
+        (["base_tilt"], "explains, and of which nothing could be learned; with base tilt"),
+        ([], "explains, and of which nothing could be learned; with the calibrated block alone, "),
+    ],
+)
+def test_the_verdict_says_whether_anything_was_learned(effects, said):
+    stages = {stage: {"fit": 0.02, "holdout": 0.02} for stage in ("before", "after")}
+    error = {"units": "rad", "noise_floor": 0.001, **stages}
+    content = {"verdict": "unexplained", "effects": effects, "parameters": {}, "error": error}
+    assert said.replace(", its", ", the error on") in verdict(content)
 
 
 def retold(values, covariance):
@@ -398,3 +413,9 @@ def test_bins_hold_all_points_and_their_errors_are_of_weighted_means():
     # Scatter of 0..7 about its mean, variance 6, over eight points.
     assert error == pytest.approx(np.sqrt(6.0 / 8.0))
     assert Points(x, y, y, sd).over_noise("before") > 1.0
+
+
+def test_the_candidate_that_was_kept_has_the_error_of_the_model_after():
+    finding = found.tilted()
+    [row] = [r for r in as_json(finding, "")["candidates"] if r["form"] == finding.chosen.names[-1] and not r["beside"]]
+    assert row["holdout_error"] == finding.errors["after"].holdout
