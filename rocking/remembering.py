@@ -1,14 +1,17 @@
-"""A block whose impacts remember those before: Method 1 with effects, with three more states.
+"""A block whose impacts remember those before and feel the base: Method 1 with effects, with three more states.
 
     impacts  how many there have been since the start that were faster than least_speed
     pause    time since the last one of these [s]; long before the first one
     use      sum of |omega|^worn_exponent over all of these since the block was new [(rad/s)^worn_exponent]
 
     e += first exp(-impacts / first_impacts) + recent exp(-pause / recent_time) + worn (1 - exp(-use / worn_use))
+         + pushed sign(omega) a_x + shaken |a_x|
+
+omega as it falls on the edge, a_x of the base at that time.
 
 Source   own, a plain description of surfaces that bed in within a test, that take time to recover after an impact, or
          that wear for good: by each impact (exponent 0), or by the energy that it takes (exponent 2), as wear goes with
-         work in Archard (1953), J. Appl. Phys. 24, 981.
+         work in Archard (1953), J. Appl. Phys. 24, 981; or on how the base is accelerated just then.
 Status   Method 1 with effects where both are zero, and by hand from impact to impact (tests).
 """
 
@@ -51,6 +54,8 @@ class Parameters(NamedTuple):
     worn: float  # [1]
     worn_use: float  # [(rad/s)^worn_exponent]
     worn_exponent: float  # [1]
+    pushed: float  # [s^2/m]
+    shaken: float  # [s^2/m]
     hooks: Any
 
 
@@ -65,6 +70,8 @@ def jump(xp: Any, y: Any, q: Discrete, base: Base, par: Any, k: Any) -> tuple[tu
     struck = (k == IMPACT) & (xp.abs(y[1]) > par.least_speed)
     worn = par.worn * (1.0 - xp.exp(-y[4] / par.worn_use))
     more = par.first * xp.exp(-y[2] / par.first_impacts) + par.recent * xp.exp(-y[3] / par.recent_time) + worn
+    # It falls on the edge against the side that it leaned to.
+    more = more - par.pushed * q.s * base.a_x + par.shaken * xp.abs(base.a_x)
     (theta, omega), after = jump_with(xp, y, q, base, par, k, more, 0.0)
     use = xp.where(struck, y[4] + xp.abs(y[1]) ** par.worn_exponent, y[4])
     return (theta, omega, xp.where(struck, y[2] + 1.0, y[2]), xp.where(struck, 0.0, y[3]), use), after
@@ -86,6 +93,9 @@ class RememberingBlock(OnRigidBlock):
         worn_use: after so much use this is there but for 1/e [(rad/s)^worn_exponent], positive.
         worn_exponent: power of its speed by which an impact wears [1], 0 or more.
         used: use before the start [(rad/s)^worn_exponent], 0 or more.
+        pushed: what the restitution has more per base acceleration, if that has the sense in which the block falls
+            [s^2/m].
+        shaken: what it has more per base acceleration of either sense [s^2/m].
 
     Raises:
         ValueError: a number is out of its range.
@@ -101,6 +111,8 @@ class RememberingBlock(OnRigidBlock):
     worn_use: float = 1.0
     worn_exponent: float = 2.0
     used: float = 0.0
+    pushed: float = 0.0
+    shaken: float = 0.0
 
     name = "method1"
     state_names = ("theta", "omega", "impacts", "pause", "use")
@@ -122,6 +134,8 @@ class RememberingBlock(OnRigidBlock):
         positive("worn_use", self.worn_use, "(rad/s)^worn_exponent")
         within("worn_exponent", self.worn_exponent, 0.0, math.inf)
         within("used", self.used, 0.0, math.inf)
+        within("pushed", self.pushed, -1.0, 1.0)
+        within("shaken", self.shaken, -1.0, 1.0)
 
     @cached_property
     def parameters(self) -> Parameters:
@@ -130,6 +144,7 @@ class RememberingBlock(OnRigidBlock):
             **self.rigid.parameters._asdict(), first=float(self.first), first_impacts=float(self.first_impacts),
             recent=float(self.recent), recent_time=float(self.recent_time), least_speed=float(self.least_speed),
             worn=float(self.worn), worn_use=float(self.worn_use), worn_exponent=float(self.worn_exponent),
+            pushed=float(self.pushed), shaken=float(self.shaken),
         )  # fmt: skip
 
     def initial_state(

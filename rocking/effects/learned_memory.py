@@ -1,14 +1,16 @@
-"""Learned memory: a restitution that depends on the impacts before, where no effect with a name explains it.
+"""Learned memory: a restitution that depends on the impacts before, or on the base, where no effect with a name does.
 
-Adds        e += first exp(-n / first_impacts) + recent exp(-t / recent_time) + worn (1 - exp(-w / worn_use)), n impacts
-            since the start of the test that were faster than least_speed, the last of them a time t ago; w the sum of
-            |omega|^worn_exponent over these and those of all tests before, which are `used`
-Parameters  first [1], recent [1] and worn [1], 0 where absent; first_impacts [1]; recent_time [s]; least_speed [rad/s];
-            worn_use and used [(rad/s)^worn_exponent], worn_exponent [1]: 0 where each impact wears alike, 2 where it
-            wears as it takes energy
+Adds        e += first exp(-n / first_impacts) + recent exp(-t / recent_time) + worn (1 - exp(-w / worn_use))
+            + pushed sign(omega) a_x + shaken |a_x|, n impacts since the start of the test that were faster than
+            least_speed, the last of them a time t ago; w the sum of |omega|^worn_exponent over these and those of all
+            tests before, which are `used`; a_x of the base as the block falls on its edge with omega
+Parameters  first [1], recent [1], worn [1], pushed [s^2/m] and shaken [s^2/m], 0 where absent; first_impacts [1];
+            recent_time [s]; least_speed [rad/s]; worn_use and used [(rad/s)^worn_exponent], worn_exponent [1]: 0 where
+            each impact wears alike, 2 where it wears as it takes energy
 Use when    the first impacts of each test lose more or less than the later ones (a surface beds in), those after a
             short swing other than those after a long one at the same speed (air or a pad that takes time to come back),
-            or those of a block that has been used for long other than those of a new one (wear)
+            those of a block that has been used for long other than those of a new one (wear), or those on a base that
+            is accelerated other than those on one at rest
 Limits      two decays and a rise; it goes with effects on form, flow and impact, and not with a floor that gives or
             other modes
 Source      a plain description, as in the identification of systems with memory from residuals; `rocking.remembering`
@@ -33,6 +35,7 @@ class LearnedMemory(Effect):
     least_speed: of the impacts that count [rad/s].
     worn: what those of a block that has been used for long have more [1], over how much use [(rad/s)^worn_exponent].
     used: use before the start, of the same unit.
+    pushed, shaken: what an impact has more per acceleration of the base, with its sense or without [s^2/m].
     """
 
     first: float = 0.0
@@ -44,6 +47,8 @@ class LearnedMemory(Effect):
     worn_use: float = 1.0
     worn_exponent: float = 2.0
     used: float = 0.0
+    pushed: float = 0.0
+    shaken: float = 0.0
 
     name: ClassVar[str] = "learned_memory"
     units: ClassVar[dict[str, str]] = {
@@ -56,6 +61,8 @@ class LearnedMemory(Effect):
         "worn_use": "(rad/s)^worn_exponent",
         "worn_exponent": "1",
         "used": "(rad/s)^worn_exponent",
+        "pushed": "s^2/m",
+        "shaken": "s^2/m",
     }
     ranges: ClassVar[dict[str, tuple[float, float]]] = {
         "first": (-1.0, 1.0),
@@ -67,6 +74,8 @@ class LearnedMemory(Effect):
         "worn_use": (1e-6, 1e12),
         "worn_exponent": (0.0, 4.0),
         "used": (0.0, 1e12),
+        "pushed": (-1.0, 1.0),
+        "shaken": (-1.0, 1.0),
     }
 
     def freedoms(self, system: ComposedMethod1) -> System:

@@ -19,7 +19,9 @@ from .parameters import INDEX, World, refuse
 
 MU, K, CD, NS, GIVE = (INDEX[k] for k in ("friction", "stiffness", "damping", "springs", "give"))
 STEP = 1e-5  # s
-FOREIGN = ("radius", "adhesion", "slope", "side", "leak", "bedding", "grind", "hinge", "guide", "layer", "slosh_mass")
+FOREIGN = (
+    "radius", "adhesion", "slope", "side", "leak", "bedding", "grind", "heed", "hinge", "guide", "layer", "slosh_mass",
+)  # fmt: skip
 """What these equations lack: no impact is at an instant, and corners are sharp."""
 
 

@@ -321,6 +321,11 @@ def grinding(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     return _world(lab, grind=min(0.1, k * d.between(0.01, 0.04)), grind_use=use), {}
 
 
+def heedful_impacts(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
+    """An impact loses more if the base is accelerated along with the falling block, and less if against it."""
+    return _world(lab, heed=d.sign * min(0.02, k * d.between(0.004, 0.012))), {}
+
+
 def one_sided_cable(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     """A cable rubs while the block leans far toward one side."""
     hung, _ = one_sided_friction(lab, d, k)
@@ -385,8 +390,8 @@ UNNAMED: dict[str, Effect] = {
     f.__name__: f
     for f in (
         restitution_by_side, wear, cubic_torque, hinge_friction, one_sided_friction, one_sided_damping, squeezed_air,
-        leaking_restitution, bedding_in, grinding, one_sided_cable, ribbed_cable, magnet, hysteretic_layer, slosh,
-        curved_sensor, loose_linkage, sprung_table,
+        leaking_restitution, bedding_in, grinding, heedful_impacts, one_sided_cable, ribbed_cable, magnet,
+        hysteretic_layer, slosh, curved_sensor, loose_linkage, sprung_table,
     )
 }  # fmt: skip
 

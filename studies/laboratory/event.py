@@ -26,7 +26,7 @@ VIS, QUA, TK, TP, TM, ADH = (
     INDEX[k] for k in ("viscous", "quadratic", "tether_stiffness", "tether_plus", "tether_minus", "adhesion")
 )
 SLOPE, SIDE, LEAK, LEAKT, BED = (INDEX[k] for k in ("slope", "side", "leak", "leak_time", "bedding"))
-GRI, GRIU, USED = (INDEX[k] for k in ("grind", "grind_use", "used"))
+GRI, GRIU, USED, HEED = (INDEX[k] for k in ("grind", "grind_use", "used", "heed"))
 CUB, HIN, SVIS, RIB, RIBP = (INDEX[k] for k in ("cubic", "hinge", "side_viscous", "rib", "rib_period"))
 MAG, MAGW, LAY, LAYW = (INDEX[k] for k in ("magnet", "magnet_width", "layer", "layer_width"))
 GUI, GUIF, SQU, SQUW = (INDEX[k] for k in ("guide", "guide_from", "squeeze", "squeeze_width"))
@@ -164,10 +164,10 @@ def rk4(x, h, c, s, phi, v, q, qd, turn, P):
 
 
 @njit
-def restitution(s, speed, since, count, use, P):
-    """Speed after over before, for an impact that ends a swing on side s."""
+def restitution(s, speed, since, count, use, ax, P):
+    """Speed after over before, for an impact that ends a swing on side s while the base is accelerated by ax."""
     e = P[E0] + P[SLOPE] * speed - P[LEAK] * np.exp(-since / P[LEAKT]) - P[BED] * np.exp(-count / 4.0)
-    e -= P[GRI] * (1.0 - np.exp(-use / P[GRIU]))
+    e -= P[GRI] * (1.0 - np.exp(-use / P[GRIU])) - P[HEED] * s * ax
     e *= 1.0 + s * P[SIDE]
     if P[OFF] != 0.0:
         # What is gained over the balance of angular momentum is the same on both sides; the balance is not.
@@ -302,7 +302,7 @@ def run(C, h, every, theta0, P, out, hits):
             p1, v1, q1, d1 = rk4(x, tau, c, s, phi, v, q, qd, turn, P)
             x += tau
             time = k * h + x
-            e = restitution(s, abs(v1), time - last, count, use, P)
+            e = restitution(s, abs(v1), time - last, count, use, base(x, c)[0], P)
             use += v1 * v1
             v2 = e * abs(v1)
             if P[SM] != 0.0:

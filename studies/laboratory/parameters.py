@@ -42,6 +42,7 @@ class World:
     grind: float = 0.0  # restitution is e - grind (1 - exp(-use / grind_use)), use the sum of squares of impact speeds
     grind_use: float = 1.0  # rad^2/s^2
     used: float = 0.0  # rad^2/s^2, use in the tests before
+    heed: float = 0.0  # s^2/m, restitution lost by base acceleration in the sense in which the block falls on its edge
     # torques that no list has
     cubic: float = 0.0  # 1/(s^2 rad^2), angular acceleration -cubic theta^3
     hinge: float = 0.0  # 1/s^2 per rad of lean: Coulomb friction that grows with the lean

@@ -25,7 +25,7 @@ MU = INDEX["friction"]
 STEP = 2e-4  # s
 AT_ONCE = 1e-6  # share of a step within which friction does not change again
 MOST = 200  # events within a step; 56 is the most that was met, of a block of 4 cm
-FOREIGN = ("grind", "hinge", "guide", "layer", "slosh_mass")
+FOREIGN = ("grind", "heed", "hinge", "guide", "layer", "slosh_mass")
 """Effects that hold, remember or have a mass of their own, which these equations lack."""
 
 
@@ -292,7 +292,7 @@ def run(C, h, every, theta0, P, out, hits, sub):
                         x = end
                     continue
                 time = k * h + x
-                e = restitution(s, abs(v), time - last, count, 0.0, P)
+                e = restitution(s, abs(v), time - last, count, 0.0, 0.0, P)
                 if count < hits.shape[0]:
                     hits[count, 0], hits[count, 1], hits[count, 2] = time, s * v, s * v * e
                     count += 1

@@ -47,6 +47,7 @@ from studies.loop.swings.tracing import (
     bic,
     search,
 )
+from studies.loop.whole.floors_that_give import from_whole_records
 from studies.loop.whole.remaining import (
     CLOSELY,
     MISSED_BY_FAR,
@@ -167,6 +168,7 @@ def close(
     if not rivals and named.trial.parts:
         named, rivals = _compared(setup, plain, named, rounds, tell)
     stands, whole = (rivals[0].trial, rivals[0].whole) if rivals else (named.trial, named.whole)
+    stands = _led(setup, stands, whole)
     before = settle(setup, plain, path.fits[0])
     chosen, verdict, after, unlearned = _kept(setup, plain, path, before, stands, whole, tell)
     if chosen is not stands:
@@ -195,6 +197,12 @@ def close(
         ),
         after,
     )  # fmt: skip
+
+
+def _led(setup: Setup, stands: Trial, whole: Fit) -> Trial:
+    """What stands, out of a minimum of the swings that whole records, asked from many starts, have left."""
+    # On floors that give it was led so when it was accepted.
+    return stands if stands.costly else from_whole_records(setup, stands, whole)
 
 
 def _all_needed(

@@ -105,6 +105,11 @@ PARTS = {
         "Reading against base acceleration", "What is added to the reading while the base is accelerated.",
         "base acceleration [m/s²]", "added to the reading [rad]", {"base": lambda x: x}, READING,
     ),
+    "struck": _Part(
+        "Restitution against base acceleration", "What is added to the restitution of an impact on a base that moves.",
+        "base acceleration in the sense in which the block falls [m/s²]", "change of restitution [1]",
+        {"pushed": lambda x: x, "shaken": np.abs}, MEMORY,
+    ),
 }  # fmt: skip
 
 
@@ -301,7 +306,7 @@ def _reach(setup: Setup, key: str) -> float:
         return rotation
     if key == "time":
         return max(float(record.time[-1] - record.time[0]) for record in setup.records)
-    if key in ("base", "shaken"):
+    if key in ("base", "shaken", "struck"):
         bases = [t.base_x for t in setup.campaign.tests if t.base_x is not None]
         return max((float(np.nanmax(np.abs(base))) for base in bases), default=1.0)
     speeds = [abs(impact.before) for record in setup.records for impact in record.found.impacts]

@@ -211,7 +211,8 @@ def _as_far_as_read(effect: str, windows: Sequence[Window]) -> dict[str, float]:
 def memories(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
     """A restitution that depends on the impacts before: how many in the test, how long ago, or on what all have worn.
 
-    Those count that end a swing, as in a record: smaller ones are not seen there, and may be hundreds in a run.
+    Those count that end a swing, as in a record: smaller ones are not seen there, and may be hundreds in a run.  Or on
+    how the base is accelerated at an impact, in the sense in which the block falls or in either.
     """
     noise = max((float(w.noise.max()) for w in windows if not w.accelerometers), default=0.0)
     speed = {f"{MEMORY}.least_speed": block.p() * math.sqrt(2.0 * block.alpha * OPEN * noise)}
@@ -234,6 +235,9 @@ def memories(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
         own = (Parameter(d, 0.01, -0.5, 0.5), Parameter(w, 0.3, 0.01 * most, 20.0 * most, log=True))
         fixed = {**speed, f"{MEMORY}.worn_exponent": exponent}
         found.append(Candidate(f"learned[restitution worn {label}]", MEMORY, own, starts, fixed))
+    for label, name in (("pushed by the base", "pushed"), ("as the base is shaken", "shaken")):
+        one = Parameter(f"{MEMORY}.{name}", 0.01 / (G_STANDARD * block.alpha), -0.05, 0.05)
+        found.append(Candidate(f"learned[restitution {label}]", MEMORY, (one,), (), speed))
     return tuple(found)
 
 

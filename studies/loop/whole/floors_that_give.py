@@ -1,4 +1,4 @@
-"""Floors that give: swings and whole records brought to one minimum.
+"""Swings and whole records brought to one minimum, on floors that give above all.
 
 Their sums of squares have minima close together, those of whole records in the stiffness along the floor above all.
 Runs take long, so that each is fitted from a few starts; where either led to what the other one prefers, that is fitted
@@ -37,7 +37,8 @@ def in_agreement(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit]:
 def from_whole_records(setup: Setup, trial: Trial, whole: Fit) -> Trial:
     """The trial, its swings fitted anew from where whole records led if that explains them better by far.
 
-    On a floor that gives they have minima close together, too, and were fitted from a few starts.
+    On a floor that gives they have minima close together, too, and were fitted from a few starts.  Of a few shaken
+    tests alone they may have several on a hard one.
     """
     there = fit(setup.simulator, whole.model, [], trial.swing.windows, iterations=3)
     if there.chi2 > trial.swing.chi2 - PAYS:

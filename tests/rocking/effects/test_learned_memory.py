@@ -39,6 +39,24 @@ def test_each_impact_has_the_restitution_of_the_formula(solver: str) -> None:
         last = t
 
 
+@pytest.mark.parametrize("solver", ["numba", "scipy", "diffrax"])
+def test_an_impact_heeds_how_the_base_is_accelerated(solver: str) -> None:
+    """A base that goes to and fro: by its straight lines at the times of the impacts."""
+    effect = load("learned_memory")(pushed=-0.02, shaken=0.01)
+    nodes = np.tile([0.0, 2.0, 0.0, -2.0], 10)
+    motion = PiecewiseLinear(0.1, nodes)
+    run = solve(
+        Method1(BLOCK, restitution=E), motion, theta=0.15, t_end=3.0, effects=[effect], solver=solver, save_at=[3.0]
+    )
+    hits = run.events.guard == IMPACT
+    moves = run.events.mode_after[hits] == ROTATION
+    t, before, after = run.events.t[hits], run.events.y_before[hits, 1], run.events.y_after[hits, 1]
+    a_x = np.interp(t, 0.1 * np.arange(nodes.size), nodes)
+    kept = E - 0.02 * np.sign(before) * a_x + 0.01 * np.abs(a_x)
+    assert moves.sum() > 4 and np.ptp(kept) > 0.03
+    np.testing.assert_allclose((after / before)[moves], kept[moves], rtol=0.0, atol=1e-8)
+
+
 @pytest.mark.parametrize("exponent", [0.0, 1.0, 2.0])
 @pytest.mark.parametrize("solver", ["numba", "scipy", "diffrax"])
 def test_a_block_wears_by_the_sum_of_powers_of_the_speeds_of_its_impacts(solver: str, exponent: float) -> None:

@@ -180,8 +180,16 @@ def test_what_is_refused_is_what_an_engine_lacks() -> None:
                 names.append(name)
     others = ["compliant_base", "winkler_bed", "sliding", "bouncing"]
     rubbing = ["hinge_friction", "one_sided_friction", "one_sided_cable"]
-    assert sorted(refused["sliding"]) == sorted([*others, "grinding", *rubbing, "hysteretic_layer", "slosh"])
-    at_impacts = ["velocity_dependent_restitution", "restitution_by_side", "leaking_restitution", "bedding_in"]
+    assert sorted(refused["sliding"]) == sorted(
+        [*others, "grinding", "heedful_impacts", *rubbing, "hysteretic_layer", "slosh"]
+    )
+    at_impacts = [
+        "heedful_impacts",
+        "velocity_dependent_restitution",
+        "restitution_by_side",
+        "leaking_restitution",
+        "bedding_in",
+    ]
     lacking = ["rounded_edges", "base_adhesion", "grinding", *rubbing, "hysteretic_layer", "slosh"]
     assert sorted(refused["compliant_base"]) == sorted([*others, *at_impacts, *lacking])
 
@@ -209,6 +217,17 @@ def test_grinding_sums_the_squares_of_impact_speeds_from_test_to_test() -> None:
     last = respond(lab, plans[2]).impacts
     assert worn(lab, 3).world.used == pytest.approx(lab.uses[2] + float(np.sum(last[:, 1] ** 2)), rel=1e-12)
     assert used(LAB, plans) is LAB
+
+
+def test_impacts_that_heed_the_base_lose_by_its_acceleration_there() -> None:
+    """The record of the base at the times of the impacts, along the way in which the block falls."""
+    heedful = replace(LAB, world=replace(LAB.world, heed=0.01))
+    plan = Plan("b", "forced", 250.0, 700, motion=ramp(np.random.default_rng(1), 8.0, 16.0), order=4)
+    hits = respond(heedful, plan).impacts
+    assert hits.shape[0] > 5
+    along = np.sign(hits[:, 1]) * plan.motion.derivative(2, hits[:, 0])
+    np.testing.assert_allclose(hits[:, 2] / hits[:, 1], 0.92 - 0.01 * along, rtol=0.0, atol=1e-6)
+    assert np.ptp(along) > 5.0
 
 
 def test_a_loose_linkage_stays_behind_by_its_play() -> None:

@@ -180,6 +180,7 @@ def shaken(
     added: Callable[[np.ndarray], np.ndarray],
     felt: Callable[[np.ndarray], np.ndarray],
     pushes: Sequence[tuple[float, float]],
+    world: World = IDEAL,
 ) -> Trial:
     """What is learned of shaken tests, each of a frequency [Hz] and an amplitude [m/s^2].
 
@@ -193,7 +194,7 @@ def shaken(
         zero = np.zeros(time.size)
         floor = table.pieces(STEP, felt(push), zero, (zero, zero, zero))
         read = (
-            event.simulate(IDEAL, floor, STEP, 1, 0.0).rotation + added(push) + NOISE * rng.standard_normal(time.size)
+            event.simulate(world, floor, STEP, 1, 0.0).rotation + added(push) + NOISE * rng.standard_normal(time.size)
         )
         assert np.nanmax(np.abs(read)) < 0.25
         tests.append(Test(f"forced-{k}", "forced", time, channels, {"base": push, "rotation": read}))
@@ -210,6 +211,14 @@ def test_a_sensor_that_feels_the_base_is_learned() -> None:
     found = shaken(lambda push: 2e-4 * push, lambda push: push, ((2.0, 4.0), (3.0, 8.0)))
     assert found.names == ("learned[reading base]",)
     assert found.swing.model.get("learned_reading.base") == pytest.approx(2e-4, rel=0.03)
+
+
+@pytest.mark.slow
+def test_impacts_that_heed_how_the_base_is_accelerated_are_learned() -> None:
+    """A restitution that falls by 0.008 for each m/s^2 with which the base goes along with the falling block."""
+    found = shaken(nothing, lambda push: push, ((2.0, 4.0), (3.0, 6.0)), replace(IDEAL, heed=0.008))
+    assert found.names == ("learned[restitution pushed by the base]",)
+    assert found.swing.model.get("learned_memory.pushed") == pytest.approx(-0.008, rel=0.05)
 
 
 @pytest.mark.slow

@@ -100,6 +100,17 @@ def test_sensors_on_the_block_read_every_sample_whatever_runs_see() -> None:
         np.testing.assert_allclose(simulator.base(model, 0).a_x, record(3.0).a_x, atol=1e-12)
 
 
+def test_the_rotation_sensor_feels_the_record_without_gravity_on_a_tilted_floor() -> None:
+    t = STEP * np.arange(4003)
+    channels = (Channel("base_x", "base_acceleration_x", NOISE),)
+    simulator = Simulator([Test("ramp", "forced", t, channels, {"base_x": record(3.0).a_x})])
+    model = LoopModel(DeclaredBlock(0.2, 0.8, 0.3, 30.0), 0.9, {"base_tilt": {"angle": 0.05}}, 9.81)
+    np.testing.assert_allclose(simulator.seen(model, 0).a_x, record(3.0).a_x, atol=1e-12)
+    # Sensors on the block are in the axes of the floor, and feel it.
+    along = np.cos(0.05) * record(3.0).a_x - 9.81 * np.sin(0.05)
+    np.testing.assert_allclose(simulator.base(model, 0).a_x, along, atol=1e-12)
+
+
 def earthquake() -> Test:
     """Noise between 0.5 and 10 Hz of 2.5 m/s^2 under a smooth envelope, with that of its sensor."""
     rng, t = np.random.default_rng(3), STEP * np.arange(4001)
