@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from functools import cache, cached_property
 from types import FunctionType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -37,6 +37,7 @@ class AlteredMotion:
             `_inner_pitch(xp, t, par[:_split])`; the motion's own if not given.
         late: how much earlier [s] everything happens than below.
         max_step: longest integration step [s] that the formulas allow.
+        turned: whether the accelerations are in other axes than below, with gravity in them.
         label: what is shown of the alteration.
     """
 
@@ -49,9 +50,10 @@ class AlteredMotion:
         pitch: Any = None,
         late: float = 0.0,
         max_step: float = np.inf,
+        turned: bool = False,
         label: str = "",
     ) -> None:
-        self.below, self.late, self.label = below, late, label
+        self.below, self.late, self.turned, self.label = below, late, turned, label
         self.numbers = np.atleast_1d(np.asarray(numbers, dtype=np.float64))
         own_pitch = pitch_kernel(below)
         open_names = (below.kernel, level if own_pitch is None else own_pitch, below.parameters.size)
@@ -74,6 +76,13 @@ class AlteredMotion:
         return f"{self.below!r} with {self.label}"
 
 
+def shaking(motion: BaseMotion) -> BaseMotion:
+    """The motion without what turns its axes and so brings gravity into them."""
+    while isinstance(motion, AlteredMotion) and motion.turned:
+        motion = motion.below
+    return motion
+
+
 # Names for what `_bound` puts in their place.
 _inner: Any = None
 _inner_pitch: Any = None
@@ -91,35 +100,51 @@ def _pitch_as_below(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
 MARGIN = 32
 """Samples beyond the span on either side that a table keeps, after which its spline does not feel that it ends."""
 
+FEWEST = 4
+"""Samples of a motion at the least."""
 
-def _extent(motion: BaseMotion, span: tuple[float, float]) -> tuple[float, float]:
-    """From where the motion or the span begins [s] to where the later of them ends."""
-    return min(span[0], *motion.breakpoints, span[0]), max(span[1], *motion.breakpoints, span[1])
+ROUNDING = 1e-9
+"""Share of a step by which a time may miss a sample and still count as it, and of the largest sample that is rest."""
 
 
-def _step(motion: BaseMotion, length: float) -> float:
-    """Time between samples [s] that follow the motion: its own where it has samples, else a fifth of its longest step.
-
-    A motion without any scale of time is followed in 2,000 samples.
-    """
+def _own_step(motion: BaseMotion) -> float | None:
+    """Time between the motion's own samples [s]; None where it has none."""
+    while isinstance(motion, AlteredMotion):
+        motion = motion.below
     own = getattr(motion, "time_step", None)
-    if own is not None:
-        return float(own)
-    if isinstance(motion, AlteredMotion):
-        return _step(motion.below, length)
-    return min(motion.max_step / 5.0, length / 2000.0)
+    return None if own is None else float(own)
 
 
-def samples_of(motion: BaseMotion, span: tuple[float, float]) -> tuple[float, float, NDArray[np.float64]]:
-    """(time of the first sample [s], time step [s], a_x [m/s^2] of the whole motion and span, shape (time,)).
+class Samples(NamedTuple):
+    """A motion at equal steps."""
 
-    What is made of them for a run then does not depend on when the run ends.
+    start: float  # time of the first sample [s]
+    step: float  # between samples [s]
+    a_x: NDArray[np.float64]  # [m/s^2], shape (time,)
+    own: int  # so many from the first on are the motion's own; after them it is at rest
+
+
+def samples_of(motion: BaseMotion, span: tuple[float, float]) -> Samples:
+    """The whole motion and span at steps that go through the motion's own samples, without a rest before the motion.
+
+    What is made of them for a run then does not depend on when the run begins or ends.  A motion without samples is
+    followed at a fifth of its longest step, or in 2,000 steps if that has no bound; its breakpoints fix where.
     """
-    start, end = _extent(motion, span)
-    step = _step(motion, end - start)
-    t = start + step * np.arange(max(4, int(np.ceil((end - start) / step - 1e-9)) + 1))
-    a_x, _ = motion.kernel(np, t, np.asarray(motion.parameters, dtype=np.float64))
-    return start, step, a_x + np.zeros_like(t)
+    breakpoints = motion.breakpoints or span
+    first, last = breakpoints[0], breakpoints[-1]
+    step = _own_step(motion)
+    if step is None:
+        step = min(motion.max_step / 5.0, (max(last, span[1]) - min(first, span[0])) / 2000.0)
+        step = (last - first) / np.ceil((last - first) / step - ROUNDING) if last - first > step else step
+    before, own, after = (
+        max(0, int(np.ceil(length / step - ROUNDING))) for length in (first - span[0], last - first, span[1] - last)
+    )
+    t = first + step * np.arange(-before, max(own + after + 1, FEWEST))
+    a_x = motion.kernel(np, t, np.asarray(motion.parameters, dtype=np.float64))[0] + np.zeros_like(t)
+    if not a_x[:before].any():
+        t, a_x, before = t[before:], a_x[before:], 0
+    own = max(before + own + 1, FEWEST)
+    return Samples(float(t[0]), float(step), a_x, a_x.size if a_x[own:].any() else own)
 
 
 def moving_part(a: NDArray[np.float64]) -> slice:
@@ -127,26 +152,38 @@ def moving_part(a: NDArray[np.float64]) -> slice:
 
     A rest that is added before or after a motion then changes nothing within it.
     """
-    moving = np.flatnonzero(a)
+    size = np.abs(a)
+    moving = np.flatnonzero(size > ROUNDING * np.max(size))
     few = moving.size == 0 or moving[-1] - moving[0] < 2
     return slice(0, a.size) if few else slice(int(moving[0]), int(moving[-1]) + 1)
 
 
-def table(span: tuple[float, float], start: float, step: float, *columns: NDArray[np.float64]) -> NDArray[np.float64]:
+def table(
+    span: tuple[float, float], start: float, step: float, *columns: NDArray[np.float64], part: slice = slice(None)
+) -> NDArray[np.float64]:
     """Samples over the span as numbers of a formula: [start, step, count, then (value, slope) of each column by turns].
 
-    Slopes are those of the cubic spline through the samples.
+    Slopes are those of the cubic spline through the samples of the part, and of others through those before and after
+    it: what happens in one of them does not ring into the next.
     """
+    values = np.column_stack(columns)
+    first = min(max(0, int((span[0] - start) / step) - MARGIN), len(values) - 2)
+    stop = max(int((span[1] - start) / step) + MARGIN, first + 2)
+    low, high, _ = part.indices(len(values))
+    inside = values[first:stop]
+    slopes = [_slopes(piece, step) for piece in np.split(inside, np.clip([low - first, high - first], 0, len(inside)))]
+    both = np.stack([inside, np.concatenate(slopes)], axis=2)
+    return np.concatenate([[start + first * step, step, len(inside)], both.transpose(1, 0, 2).ravel()])
+
+
+def _slopes(values: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+    """Of the cubic spline through samples, shape (time, column); zero for a single one."""
     from scipy.interpolate import CubicSpline
 
-    first = max(0, int((span[0] - start) / step) - MARGIN)
-    inside = slice(first, int((span[1] - start) / step) + MARGIN)
-    parts = []
-    for column in columns:
-        values = column[inside]
-        slopes = CubicSpline(step * np.arange(values.size), values)(step * np.arange(values.size), 1)
-        parts.append(np.column_stack([values, slopes]).ravel())
-    return np.concatenate([[start + first * step, step, columns[0][inside].size], *parts])
+    if len(values) < 2 or not values.any():
+        return np.zeros_like(values)
+    t = step * np.arange(len(values))
+    return np.asarray(CubicSpline(t, values)(t, 1))
 
 
 def _whole(xp: Any, x: Any) -> Any:
@@ -159,13 +196,15 @@ def _whole(xp: Any, x: Any) -> Any:
 
 
 def table_value(xp: Any, t: Any, numbers: Any, column: Any) -> Any:
-    """Value at t [s] of a column of a `table`, a cubic between samples; the end values outside."""
+    """Value at t [s] of a column of a `table`, a cubic between samples; zero outside."""
     last = numbers[2] - 1.0
-    place = xp.minimum(xp.maximum((t - numbers[0]) / numbers[1], 0.0), last)
+    at = (t - numbers[0]) / numbers[1]
+    place = xp.minimum(xp.maximum(at, 0.0), last)
     i = xp.minimum(1.0 * xp.floor(place), last - 1.0)
     u = place - i
     k = _whole(xp, 3.0 + 2.0 * (column * numbers[2] + i))
     left, left_slope, right, right_slope = numbers[k], numbers[k + 1], numbers[k + 2], numbers[k + 3]
     rise, dt = right - left, numbers[1]
     bend = (1.0 - u) * (left_slope * dt - rise) - u * (right_slope * dt - rise)
-    return left + u * rise + u * (1.0 - u) * bend
+    inside = (at >= -ROUNDING) & (at <= last + ROUNDING)
+    return xp.where(inside, left + u * rise + u * (1.0 - u) * bend, 0.0)

@@ -104,7 +104,10 @@ def guards_with(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters, pushi
         _held(xp, 1.0, base, par, pushing, 2.0 * WITHIN),
         _held(xp, -1.0, base, par, pushing, 2.0 * WITHIN),
     )
-    return fall, impact, xp.where(rotating, 1.0, right), xp.where(rotating, 1.0, left)
+    # Where nothing holds either side, as above a base that falls away, the block tips to the one that is held less.
+    to_right = xp.where(rotating | ((right < 0.0) & (left < right)), 1.0, right)
+    to_left = xp.where(rotating | ((left < 0.0) & (right <= left)), 1.0, left)
+    return fall, impact, to_right, to_left
 
 
 def _after(xp: Any, omega: Any, s: Any, par: Parameters, more: Any) -> Any:

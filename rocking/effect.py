@@ -48,7 +48,7 @@ class Seen(NamedTuple):
     """What a rotation sensor may feel besides the rotation, at the samples of a record, arrays of shape (time,)."""
 
     time: NDArray[np.float64]  # since the record began [s]
-    a_x: NDArray[np.float64]  # of the base [m/s^2]
+    a_x: NDArray[np.float64]  # of the base [m/s^2], horizontal: no gravity is in it where the floor is tilted
 
 
 AT_THE_START = Seen(np.zeros(1), np.zeros(1))

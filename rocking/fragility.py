@@ -22,6 +22,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from rocking.arguments import array_of
 from rocking.batch import OUTCOMES, solve_batch
+from rocking.effect import Effect
+from rocking.effects import compose
 from rocking.fragility_fit import check_share, fit_lognormal, fraction
 from rocking.hybrid import System
 from rocking.motion import BaseMotion
@@ -45,6 +47,7 @@ def run_records(
     intensity_name: str = "scale",
     intensity_units: str = "1",
     progress: bool = False,
+    effects: Sequence[Effect] = (),
     **options: Any,
 ) -> xr.Dataset:
     """One block under every record at every scale.
@@ -59,11 +62,12 @@ def run_records(
             shape (record,); the scale itself is the intensity if not given.
         intensity_name, intensity_units: its name and units, for the attributes.
         progress: whether to show a bar; it counts scales.
+        effects: what the block lacks, as of `solve_batch`.
         options: passed on to `solve_batch`.
 
     Returns:
-        Dataset over (scale, record): `overturned`, `relative_rotation` (largest |theta| over theta_c; of a block that
-        fell, that of the fall) and `intensity`.
+        Dataset over (scale, record): `overturned`, `relative_rotation` (largest |theta| over theta_c of the block
+        with its effects; of a block that fell, that of the fall) and `intensity`.
 
     Raises:
         ValueError: there is no record, a scale or an intensity is not positive, or as of `solve_batch`.
@@ -81,25 +85,31 @@ def run_records(
         raise ValueError(f"intensity: want positive numbers of shape ({len(records)},), one for each record")
     fell, tilt = (np.empty((factors.size, len(records)), dtype=kind) for kind in (bool, float))
     for i, factor in enumerate(tqdm(factors.tolist(), disable=not progress, desc="scales")):
-        result = solve_batch(system, [build(record, factor) for record in records], t_end=t_end, **options)
+        motions = [build(record, factor) for record in records]
+        result = solve_batch(system, motions, t_end=t_end, effects=effects, **options)
         if np.any(result.outcome == FAILED):
             raise ValueError(
                 f"scale={factor!r}: {np.sum(result.outcome == FAILED)} runs failed; solve them alone to see why"
             )
-        fell[i], tilt[i] = result.overturned, result.peak_rotation / system.theta_c
+        fell[i], tilt[i] = result.overturned, result.peak_rotation
     name = {"units": intensity_units, "long_name": intensity_name}
     return xr.Dataset(
         {
             "overturned": (("scale", "record"), fell, {"long_name": "whether the block falls"}),
             "relative_rotation": (
                 ("scale", "record"),
-                tilt,
+                tilt / compose(system, effects).theta_c,
                 {"units": "1", "long_name": "largest rotation over theta_c"},
             ),
             "intensity": (("scale", "record"), factors[:, None] * unit, name),
         },
         coords={"scale": ("scale", factors, {"units": "1", "long_name": "factor on the records"})},
-        attrs={"system": repr(system), "t_end": t_end, "reference": "Yim, Chopra & Penzien (1980)"},
+        attrs={
+            "system": repr(system),
+            "effects": ", ".join(map(repr, effects)),
+            "t_end": t_end,
+            "reference": "Yim, Chopra & Penzien (1980)",
+        },
     )
 
 

@@ -149,8 +149,10 @@ def _reading(m: _Motion, g: float, position: tuple[float, float], direction: tup
 
 def rotation_sensor(trajectory: Trajectory) -> Array:
     """Reading [rad] of the rotation sensor at the samples, shape (time,): theta with the effects on the sensor."""
+    from rocking.altered import shaking
     from rocking.effects import recorded_rotation
 
-    there = base_at(np, trajectory.motion, trajectory.t, np.asarray(trajectory.motion.parameters))
+    motion = shaking(trajectory.motion)
+    there = base_at(np, motion, trajectory.t, np.asarray(motion.parameters))
     seen = Seen(trajectory.t - trajectory.t_start, there.a_x + np.zeros(trajectory.t.size))
     return np.asarray(recorded_rotation(trajectory.theta, trajectory.effects, seen))

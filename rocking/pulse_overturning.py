@@ -13,7 +13,8 @@ everything else is closed.
 Source   Zhang & Makris (2001), J. Eng. Mech. 127, 473-483: overturning of blocks by cycloidal pulses with and without
          impact; Makris & Roussos (2000), Geotechnique 50, 243-262.
 Status   one impact exactly; without an impact see `closed_forms.full_sine_pulse` and `full_cosine_pulse`.  Long pulses
-         (ratio below 1) also overturn after several impacts, at smaller amplitudes.
+         also overturn after several impacts: of ratio below 1 at smaller amplitudes, and cosines of ratio up to 1.5 and
+         more, of blocks that lose little, at amplitudes between the band and that without an impact.
 """
 
 from __future__ import annotations
@@ -111,11 +112,12 @@ def one_impact_band(ratio: float, e: float, pulse: Pulse = "sine") -> Band | Non
     """Amplitudes over g alpha [1] between which one cycle overturns a block after one impact; None if nowhere.
 
     The block falls to the side opposite to the one that it first leans to.  Between the band and the amplitude of
-    overturning without an impact it stays up; where there are several bands, this is the one of largest amplitudes.
+    overturning without an impact it does not fall after one, though it may after two or more (Status); where there are
+    several bands, this is the one of largest amplitudes.
 
     Args:
         ratio: angular frequency of the pulse over p [1], 0.2 or more (shorter swings than the grid's would be missed).
-        e: restitution, omega after / before an impact [1], 0 to 1.
+        e: restitution, omega after / before an impact [1], more than 0 to 1.
         pulse: "sine" or "cosine".
 
     Raises:
@@ -124,6 +126,8 @@ def one_impact_band(ratio: float, e: float, pulse: Pulse = "sine") -> Band | Non
     positive("ratio", ratio, "1")
     within("ratio", ratio, 0.2, math.inf)
     within("e", e, 0.0, 1.0)
+    if e == 0.0:
+        raise ValueError(f"e={e!r}: want more than 0, for a block that an impact stops may tip anew, to either side")
     if pulse not in ("sine", "cosine"):
         raise ValueError(f"pulse={pulse!r}: want 'sine' or 'cosine'")
     top = full_sine_pulse(ratio) if pulse == "sine" else full_cosine_pulse(ratio)

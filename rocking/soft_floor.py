@@ -15,6 +15,8 @@ that place along, e - q.  So F goes to zero with N where a foot leaves: that sli
 Without a limit to friction (mu infinite, the default) a foot is held sideways as long as it is below the floor, also in
 the instants in which a dashpot would have to pull and N is zero, and lets go at once.
 
+What effects add on the side s of a rigid block they add here on the side to which this one leans (`leaning`).
+
 Source   Psycharis & Jennings (1983), Earthquake Eng. Struct. Dyn. 11, 57-76: two-spring foundation and Winkler bed with
          uplift, here without their small angles; the tangential springs are those of the distinct elements of Winkler,
          Meguro & Yamazaki (1995), their slider in series with spring and dashpot.
@@ -132,6 +134,15 @@ def touching(q: Discrete) -> tuple[Any, Any]:
     )
 
 
+def leaning(xp: Any, theta: Any, par: Parameters) -> Any:
+    """The side to which the block leans, for what effects add: +-1 from where a foot leaves the floor, 0 upright [1].
+
+    Between, both feet carry, and the side goes from one to the other as the moment of their springs does; a torque
+    that has a sign on either side then keeps to it, and pulls an upright block to neither.
+    """
+    return xp.minimum(xp.maximum(2.0 * par.a * xp.sin(theta) * par.k / par.g, -1.0), 1.0)
+
+
 def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any, ...]:
     """dy/dt; what the two feet do not hold is free."""
     right, left = foot(xp, y, 1.0, par), foot(xp, y, -1.0, par)
@@ -146,8 +157,10 @@ def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any
     moment = right.r_z * F_r - right.r_x * N_r + left.r_z * F_l - left.r_x * N_l + moment_b
     omega_dot = moment / par.rho2 - base.pitch_acceleration
     # What effects add to a block on a fixed corner is a couple of so much times its inertia there.
-    r_x, r_z = xp.where(q.s > 0.0, right.r_x, left.r_x), xp.where(q.s > 0.0, right.r_z, left.r_z)
-    omega_dot = omega_dot + added(y[2], y[5], q.s, base, par) * (par.rho2 + r_x * r_x + r_z * r_z) / par.rho2
+    s = leaning(xp, y[2], par)
+    squares = right.r_x**2 + right.r_z**2, left.r_x**2 + left.r_z**2
+    inertia = par.rho2 + 0.5 * ((1.0 + s) * squares[0] + (1.0 - s) * squares[1])
+    omega_dot = omega_dot + added(y[2], y[5], s, base, par) * inertia / par.rho2
     return y[3], y[4], y[5], F_r + F_l - A_x, N_r + N_l + N_b - A_z, omega_dot, dragged_r, dragged_l
 
 

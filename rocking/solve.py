@@ -50,12 +50,14 @@ def solve(
         motion: what the base does; at rest if not given.
         t_end, t_start: times [s].
         theta, omega: rotation [rad] and angular velocity [rad/s] at the start; at rest and upright if not given.
-        initial: state (y, q) at the start from `system.initial_state(...)`, in place of theta and omega.
+        initial: state (y, q) at the start, in place of theta and omega, from `initial_state(...)` of the system, or of
+            `rocking.effects.compose(system, effects)` where there are effects: its states may be others, and its
+            corners elsewhere.
         solver: name of a solver of the entry-point group `rocking.solvers`.
         rtol, atol: relative and absolute tolerance [SI units of the state] of a step.
         save_at: times [s], ascending, shape (time,), at which the state is kept; 1001 equal steps if not given.
         max_events: the run ends as failed when it has more events.
-        effects: what the ideal block lacks, of `rocking.effects`; initial states are those of the ideal block.
+        effects: what the ideal block lacks, of `rocking.effects`.
 
     Returns:
         Trajectory: samples, events and outcome.  A run that cannot go on ends with `Outcome.FAILED` and a `reason`.

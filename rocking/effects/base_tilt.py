@@ -38,9 +38,10 @@ class BaseTilt(Effect):
     name: ClassVar[str] = "base_tilt"
     units: ClassVar[dict[str, str]] = {"angle": "rad"}
     ranges: ClassVar[dict[str, tuple[float, float]]] = {"angle": (-0.5 * math.pi, 0.5 * math.pi)}
-    rank: ClassVar[int] = 3
+    rank: ClassVar[int] = 4
 
     def base_motion(self, motion: BaseMotion, span: tuple[float, float], g: float) -> BaseMotion:
         """The motion in the axes of the tilted floor."""
         numbers = [math.cos(self.angle), math.sin(self.angle), g]
-        return AlteredMotion(motion, numbers, kernel=_in_axes_of_the_floor, label=f"floor tilted by {self.angle:g} rad")
+        label = f"floor tilted by {self.angle:g} rad"
+        return AlteredMotion(motion, numbers, kernel=_in_axes_of_the_floor, turned=True, label=label)

@@ -7,7 +7,8 @@ Use when    the block stands on a plate, a pad or a frame that is not rigid, or 
 Limits      one mode, that the block does not pull at; nothing of a pitch or of vertical motion
 Source      a single-degree-of-freedom oscillator, its answer exact for straight lines between samples: Nigam & Jennings
             (1969), Bull. Seismol. Soc. Am. 59, 909
-Status      against its answer to a sinusoid, and the absent value (tests)
+Status      against its answer to a sinusoid, its equation under a record that begins and ends at once by another
+            integrator, and the absent value (tests)
 """
 
 from __future__ import annotations
@@ -31,11 +32,13 @@ _split: Any = None
 
 
 def _on_springs(xp: Any, t: Any, par: Any) -> tuple[Any, Any]:
-    a_x, a_z = _inner(xp, t, par[:_split])
-    return a_x + table_value(xp, t, par[_split:], 0.0), a_z
+    _, a_z = _inner(xp, t, par[:_split])
+    return table_value(xp, t, par[_split:], 0.0), a_z
 
 
-def answer(a: NDArray[np.float64], step: float, frequency: float, damping_ratio: float) -> NDArray[np.float64]:
+def answer(
+    a: NDArray[np.float64], step: float, frequency: float, damping_ratio: float, own: int | None = None
+) -> NDArray[np.float64]:
     """Acceleration of a plate on springs relative to what carries it [m/s^2], shape (time,), from rest.
 
     Args:
@@ -43,12 +46,24 @@ def answer(a: NDArray[np.float64], step: float, frequency: float, damping_ratio:
         step: between samples [s].
         frequency: of the plate [Hz].
         damping_ratio: over the critical one [1].
+        own: after so many samples, with which it ends at once, it is at rest; all of them if not given.
     """
-    from scipy.signal import cont2discrete, lfilter
-
     w = 2.0 * math.pi * frequency
     relative = ([-1.0, 0.0, 0.0], [1.0, 2.0 * damping_ratio * w, w * w])
-    b, c, _ = cont2discrete(relative, step, method="foh")
+    own = a.size if own is None else own
+    after_jump = _filtered(relative, step, "zoh", np.ones(a.size))
+    # By itself the filter takes what it is given to come up from zero in the step before the first sample.
+    goes_on = np.concatenate([a[:own], np.full(a.size - own, a[own - 1])]) - a[0]
+    out = _filtered(relative, step, "foh", goes_on) + a[0] * after_jump
+    out[own:] -= a[own - 1] * after_jump[1 : a.size - own + 1]
+    return out
+
+
+def _filtered(relative: Any, step: float, hold: str, a: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What the transfer function makes of a: steps ("zoh") or straight lines ("foh") between samples."""
+    from scipy.signal import cont2discrete, lfilter
+
+    b, c, _ = cont2discrete(relative, step, method=hold)
     return np.asarray(lfilter(np.ravel(b), c, a))
 
 
@@ -62,18 +77,20 @@ class LearnedBase(Effect):
     name: ClassVar[str] = "learned_base"
     units: ClassVar[dict[str, str]] = {"frequency": "Hz", "damping_ratio": "1"}
     ranges: ClassVar[dict[str, tuple[float, float]]] = {"frequency": (0.01, 1e4), "damping_ratio": (0.0, 10.0)}
-    rank: ClassVar[int] = 1
+    rank: ClassVar[int] = 3  # pitch and vertical motion are those of the table below it
 
     def base_motion(self, motion: BaseMotion, span: tuple[float, float], g: float) -> BaseMotion:
         """The motion of the plate."""
         if math.isinf(self.frequency):
             return motion
-        start, step, a_x = samples_of(motion, span)
+        start, step, a_x, own = samples_of(motion, span)
         count = max(1, math.ceil(step * self.frequency * FINER))
-        finer = step / count
+        finer, own = step / count, count * (own - 1) + 1
         t = start + finer * np.arange(count * (a_x.size - 1) + 1)
         if count > 1:
             a_x = motion.kernel(np, t, np.asarray(motion.parameters, dtype=np.float64))[0] + np.zeros(t.size)
-        added = answer(a_x, finer, self.frequency, self.damping_ratio)
+        # That of the plate itself goes on smoothly where the motion jumps, as where a record begins or ends.
+        moves = a_x + answer(a_x, finer, self.frequency, self.damping_ratio, own)
+        numbers = table(span, start, finer, moves, part=slice(own))
         label = f"a plate of {self.frequency:g} Hz, damping ratio {self.damping_ratio:g}"
-        return AlteredMotion(motion, table(span, start, finer, added), kernel=_on_springs, max_step=finer, label=label)
+        return AlteredMotion(motion, numbers, kernel=_on_springs, max_step=finer, label=label)

@@ -75,10 +75,11 @@ class TablePitch(Effect):
 
     def base_motion(self, motion: BaseMotion, span: tuple[float, float], g: float) -> BaseMotion:
         """The motion with the pitch added."""
-        start, step, a_x = samples_of(motion, span)
+        start, step, a_x, own = samples_of(motion, span)
+        a_x = a_x[:own]
         smooth, curvature, displacement = filtered(a_x, step)
         angle = self.per_acceleration * smooth + self.per_displacement * displacement
         acceleration = self.per_acceleration * curvature + self.per_displacement * a_x
-        numbers = table(span, start, step, angle, acceleration)
+        numbers = table(span, start, step, angle, acceleration, part=moving_part(a_x))
         label = f"pitch {self.per_acceleration:g} rad/(m/s^2), {self.per_displacement:g} rad/m"
         return AlteredMotion(motion, numbers, pitch=_with_table, max_step=step, label=label)

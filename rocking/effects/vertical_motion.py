@@ -68,8 +68,9 @@ class VerticalMotion(Effect):
         label = f"vertical motion {self.ratio:g}, {self.second_harmonic_ratio:g}, {self.second_harmonic_quadrature:g}"
         if self.second_harmonic_ratio == 0.0 and self.second_harmonic_quadrature == 0.0:
             return AlteredMotion(motion, [self.ratio], kernel=_coupled, label=label)
-        start, step, a_x = samples_of(motion, span)
+        start, step, a_x, own = samples_of(motion, span)
+        a_x = a_x[:own]
         cosine, sine = second_harmonics(a_x)
         harmonic = self.second_harmonic_ratio * cosine + self.second_harmonic_quadrature * sine
-        numbers = np.concatenate([[self.ratio], table(span, start, step, harmonic)])
+        numbers = np.concatenate([[self.ratio], table(span, start, step, harmonic, part=moving_part(a_x))])
         return AlteredMotion(motion, numbers, kernel=_with_harmonic, max_step=step, label=label)

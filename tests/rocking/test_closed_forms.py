@@ -176,6 +176,22 @@ def test_a_run_falls_after_one_impact_within_the_band_and_not_outside(pulse, mot
         assert falls(motion, ratio, edge * (1.0 - inward), e) in (None, (2, -1), (3, 1))
 
 
+# Above the band no run falls after one impact; of cosines of ratio 1 to 1.5 some do after two, of sines none.
+@pytest.mark.parametrize(
+    ("pulse", "motion", "ratio", "e", "some"),
+    [("cosine", OneCosinePulse, 1.0, 0.9, True), ("cosine", OneCosinePulse, 1.268, 0.9, True),
+     ("sine", OneSinePulse, 3.0, 0.9, False)],
+)  # fmt: skip
+def test_above_the_band_a_run_falls_after_two_impacts_if_at_all(pulse, motion, ratio, e, some):
+    top = cf.full_cosine_pulse(ratio) if pulse == "cosine" else cf.full_sine_pulse(ratio)
+    period = 2.0 * math.pi / (ratio * BLOCK.p(G))
+    system = Method1(BLOCK, form="linear", onset="linear", restitution=e, g=G)
+    amplitudes = np.linspace(one_impact_band(ratio, e, pulse).high * 1.0005, top * 0.9995, 20)
+    runs = solve_batch(system, [motion(A * G * BLOCK.alpha, period) for A in amplitudes], t_end=period + 6.0)
+    assert runs.overturned.any() == some
+    assert np.all(runs.impacts[runs.overturned] >= 2)
+
+
 # Where the closed form finds no band, runs at 300 amplitudes below that of overturning without an impact stay up.
 @pytest.mark.parametrize(
     ("pulse", "motion", "ratio", "e", "top"),
@@ -231,6 +247,7 @@ def test_no_sine_train_overturns_below_ishiyamas_limits(system, cycles):
         (lambda: cf.full_cosine_pulse(-1.0), r"frequency ratio=-1\.0 1"),
         (lambda: one_impact_band(0.1, 0.9), r"ratio=0\.1: want 0\.2 to inf"),
         (lambda: one_impact_band(2.0, 1.1), r"e=1\.1: want 0 to 1"),
+        (lambda: one_impact_band(7.228, 0.0, "cosine"), r"e=0\.0: want more than 0"),
         (lambda: one_impact_band(2.0, 0.9, "square"), r"pulse='square': want 'sine' or 'cosine'"),
     ],
 )

@@ -7,8 +7,9 @@ import pytest
 from scipy.optimize import minimize
 from scipy.stats import norm
 
-from excitation import KanaiTajimi, scaled
-from rocking import Block, Method1
+from excitation import KanaiTajimi, RampedSinusoid, scaled
+from rocking import Block, Method1, solve_batch
+from rocking.effects import compose, load
 from rocking.fragility import fragility, run_records
 from rocking.fragility_fit import LognormalFragility, fit_lognormal, fraction
 
@@ -250,6 +251,19 @@ def test_where_nothing_falls_the_reason_stands_in_the_dataset():
     ds = fragility(few)
     assert math.isnan(ds["median"].values[0])
     assert "no case does, up to im=1" in str(ds.reason.values[0])
+
+
+# A block on two ribs half as far apart balances at atan((b/4) / (h/2)); its largest rotations are those of the batch.
+def test_rotations_are_relative_to_the_balance_of_the_block_with_its_effects():
+    system, ribs = Method1(Block(0.3, 1.0)), [load("concave_base")(breadth=0.15)]
+    waves = [3.0, 4.0]
+    few = run_records(system, waves, [2.0, 3.0], lambda f, k: RampedSinusoid(f, 4.0, k), t_end=6.0, effects=ribs)
+    peak = solve_batch(
+        compose(system, ribs), [RampedSinusoid(f, 4.0, k) for k in (2.0, 3.0) for f in waves], t_end=6.0
+    ).peak_rotation
+    assert few.relative_rotation.values.ravel() == pytest.approx(peak / math.atan2(0.075, 0.5), rel=1e-12)
+    assert few.attrs["effects"] == "ConcaveBase(breadth=0.15)"
+    assert fragility(few).attrs["effects"] == few.attrs["effects"]
 
 
 MOTION = [KanaiTajimi(0.5, 5.0).record(0.01, 0)]

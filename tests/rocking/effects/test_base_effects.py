@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
-from excitation import RampedSinusoid, SampledMotion
+from excitation import PiecewiseLinear, RampedSinusoid, SampledMotion
 from rocking import Block, Method1, Outcome, scalars, solve, solve_batch
 from rocking.altered import AlteredMotion, table, table_value
 from rocking.effects import base_with, compose, load, parse
@@ -188,6 +188,62 @@ def test_a_rest_before_and_after_a_motion_changes_nothing_within_it() -> None:
         np.testing.assert_array_equal(whole[300:-500], part)
 
 
+SHAPED = [
+    "vertical_motion.second_harmonic_ratio=0.5", "table_pitch.per_acceleration=1e-3",
+    "table_pitch.per_displacement=0.1", "learned_base.frequency=12",
+]  # fmt: skip
+"""Effects that are made of the samples of a whole record."""
+
+
+def rough(kind: Any, start: float) -> Any:
+    """Noise of up to some 20 Hz at 100 samples a second, that begins and ends at once."""
+    noise = np.convolve(np.random.default_rng(1).normal(size=400), np.hanning(7) / 3.5, "same")
+    return kind(0.01, noise, start=start)
+
+
+# Where time begins is nothing that a block knows of: record and run are shifted together, or the clock of the record.
+@pytest.mark.parametrize("kind", [PiecewiseLinear, SampledMotion])
+@pytest.mark.parametrize("text", SHAPED)
+def test_what_is_made_of_a_record_moves_along_with_it(kind: Any, text: str) -> None:
+    t = np.linspace(1e-6, 5.0, 3001)  # of the record, which ends at 3.99 s
+    plain = at(altered(rough(kind, 0.0), text, span=(0.0, 6.0)), t)
+    for start in (0.0025, 0.005, 1.005):
+        # A rest before the record, be it of whole steps or not, changes nothing within it.
+        shifted = altered(rough(kind, start), text, span=(0.0, start + 6.0))
+        for one, other in zip(at(shifted, t + start), plain, strict=True):
+            np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-9 * max(1.0, np.max(np.abs(other))))
+        for before in at(shifted, np.linspace(0.0, start - 1e-6, 101)):
+            assert not before.any()
+    for lag in (-0.0037, 0.0037):
+        late = altered(rough(kind, 0.0), f"base_motion_lag.lag={lag}", text, span=(-0.5, 6.0))
+        for one, other in zip(at(late, t - lag), plain, strict=True):
+            np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-9 * max(1.0, np.max(np.abs(other))))
+
+
+@pytest.mark.parametrize("text", SHAPED[:2])
+def test_a_block_under_what_is_made_of_a_record_does_not_know_when_the_record_began(run_with: Any, text: str) -> None:
+    runs = []
+    for start in (0.0, 0.0025, 1.0):
+        louder = f"base_motion_gain.gain={3.0!r}"
+        run = run_with(text, louder, motion=rough(PiecewiseLinear, start), t_end=start + 1.5)
+        runs.append((run.onset_time - start, run.impact_times[:3] - start))
+    for onset, impacts in runs[1:]:
+        assert onset == pytest.approx(runs[0][0], abs=1e-9)
+        np.testing.assert_allclose(impacts, runs[0][1], rtol=0.0, atol=1e-8)
+
+
+@pytest.mark.parametrize("text", SHAPED[:3])
+def test_zeros_before_and_after_a_record_do_not_ring_into_it(text: str) -> None:
+    t = np.linspace(0.0, 3.99, 2001)
+    alone, plain = rough(PiecewiseLinear, 0.0), None
+    for before, after in ((0, 0), (70, 50)):
+        padded = np.concatenate([np.zeros(before), alone.a_x, np.zeros(after)])
+        found = at(altered(PiecewiseLinear(0.01, padded, start=-0.01 * before), text, span=(-1.0, 6.0)), t)
+        plain = found if plain is None else plain
+        for one, other in zip(found, plain, strict=True):
+            np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-9 * max(1.0, np.max(np.abs(other))))
+
+
 def test_an_offset_of_the_record_is_no_displacement_that_grows() -> None:
     step = 0.01
     motion = SampledMotion(step, 0.02 * np.ones(6001))
@@ -231,8 +287,22 @@ def test_effects_on_the_base_are_stacked_by_rank_and_not_as_given(shaken: Any) -
     np.testing.assert_allclose(one[0], a_x * math.cos(0.05) - (G + a_z) * math.sin(0.05), atol=1e-12)
     pitched = at(altered(shaken(), *texts[1:]), T)
     np.testing.assert_allclose(one[2], pitched[2], atol=1e-12)
-    ranks = [load(name).rank for name in ("base_motion_gain", "vertical_motion", "table_pitch", "base_tilt")]
+    names = ("base_motion_gain", "vertical_motion", "table_pitch", "learned_base", "base_tilt")
+    ranks = [load(name).rank for name in names]
     assert ranks == sorted(set(ranks))
+
+
+# A plate lies on the table: pitch and vertical motion are those of the table, whose sensor is below the plate.
+def test_a_plate_does_not_change_how_the_table_below_it_pitches_and_heaves() -> None:
+    texts = ["learned_base.frequency=10", "table_pitch.per_acceleration=1e-3", "vertical_motion.ratio=0.5",
+             "vertical_motion.second_harmonic_ratio=0.3"]  # fmt: skip
+    t = np.linspace(0.0, 3.99, 2001)
+    for given in (texts, texts[1:] + texts[:1]):
+        both = at(altered(rough(SampledMotion, 0.0), *given), t)
+        plate = at(altered(rough(SampledMotion, 0.0), texts[0]), t)
+        below = at(altered(rough(SampledMotion, 0.0), *texts[1:]), t)
+        for one, other in zip(both, (plate[0], *below[1:]), strict=True):
+            np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-10)
 
 
 # A pitch turns gravity: held at psi it is a tilt of that angle.  Both say the same of the same floor.
@@ -266,11 +336,20 @@ def test_a_table_is_the_cubic_spline_through_its_samples(xp: Any) -> None:
         else:
             values = [table_value(scalars, value, numbers.tolist(), float(i)) for value in inputs]
         np.testing.assert_allclose(values, spline(t), atol=1e-12)
-        # The end values outside.
-        for outside, end in ((span[0] - 1.0, column[0]), (span[1] + 1.0, column[-1])):
-            assert table_value(xp, np.float64(outside) if xp is np else outside, numbers, float(i)) == pytest.approx(
-                end
-            )
+        # Nothing outside.
+        for outside in (span[0] - 1e-6, span[1] + 1e-6):
+            assert table_value(xp, np.float64(outside) if xp is np else outside, numbers, float(i)) == 0.0
+
+
+def test_what_lies_before_and_after_a_part_of_a_table_does_not_ring_into_it() -> None:
+    rng = np.random.default_rng(3)
+    step, t = 0.01, np.linspace(0.5, 0.9, 401)
+    own = rng.normal(size=41)
+    for around in (np.zeros(50), rng.normal(size=50)):
+        numbers = table((0.0, 1.4), 0.0, step, np.concatenate([around, own, around]), part=slice(50, 91))
+        np.testing.assert_allclose(
+            table_value(np, t, numbers, 0.0), CubicSpline(0.5 + step * np.arange(41), own)(t), atol=1e-12
+        )
 
 
 def test_a_table_that_is_cut_to_the_span_is_the_same_there() -> None:

@@ -22,6 +22,24 @@ def test_texts_become_effects_with_their_parameters_put_together() -> None:
     assert parse(["compliant_base.corner_stiffness=inf"])[0].parameters()["corner_stiffness"] == math.inf
 
 
+# A block with effects may have other states than the ideal one, or its corners elsewhere: it says itself where it is.
+@pytest.mark.parametrize(
+    ("system", "text"),
+    [
+        (Method1(BLOCK), "sliding.friction=0.5"),
+        (Method1(BLOCK), "learned_memory.first=0.01"),
+        (Method2(BLOCK, friction=0.5), "concave_base.breadth=0.1"),
+    ],
+)
+def test_a_run_from_a_state_of_the_block_with_its_effects_is_that_from_its_rotation(system: Any, text: str) -> None:
+    effects = parse([text])
+    y, q = compose(system, effects).initial_state(theta=0.02)
+    one = solve(system, t_end=0.5, initial=(y, q), effects=effects)
+    other = solve(system, t_end=0.5, theta=0.02, effects=effects)
+    np.testing.assert_array_equal(one.y, other.y)
+    np.testing.assert_array_equal(one.y[0], y)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

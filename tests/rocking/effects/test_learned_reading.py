@@ -129,6 +129,16 @@ def test_drift_and_the_base_are_added_to_what_has_come_through_the_play() -> Non
     np.testing.assert_allclose(sensor.recorded(theta, Seen(time, a_x)), expected, rtol=1e-12)
 
 
+def test_on_a_tilted_floor_the_sensor_feels_the_shaking_and_not_gravity() -> None:
+    """On a base at rest it says what it says on a level one, on one that shakes `base` times the record besides."""
+    block, sensor, tilt = Method1(Block(0.3, 1.0)), LearnedReading(base=2e-3), load("base_tilt")(angle=0.05)
+    still = solve(block, t_end=0.5, effects=[sensor, tilt], save_at=[0.0, 0.5])
+    np.testing.assert_array_equal(rotation_sensor(still), [0.0, 0.0])
+    motion, t = SteadySinusoid(1.0, 2.0, 3.0), np.linspace(0.0, 1.0, 11)
+    shaken = solve(block, motion, t_end=1.0, effects=[sensor, tilt], save_at=t)
+    np.testing.assert_allclose(rotation_sensor(shaken), shaken.theta + 2e-3 * motion(t)[0], rtol=0.0, atol=1e-15)
+
+
 def test_the_sensor_of_a_run_feels_its_base_and_the_time_since_its_start() -> None:
     given = {"drift": 1e-3, "base": 2e-3}
     motion = SteadySinusoid(1.0, 2.0, 3.0)

@@ -10,6 +10,7 @@ from scipy.integrate import simpson, solve_ivp
 from scipy.linalg import eig
 
 import dem
+from excitation import SampledMotion
 from rocking import Block, Method1, Mode, solve
 from rocking.effects import compose, parse
 from rocking.hybrid import Discrete
@@ -45,6 +46,48 @@ def test_a_standing_block_sinks_by_the_share_of_each_foot_and_stands_still(k: fl
     # Moments about the centre of mass, with the arms as they are after the sink.
     arms = [foot_of(run, side, offset)[0][0] - run.y[0, 0] for side in (1.0, -1.0)]
     assert right * arms[0] + left * arms[1] == pytest.approx(0.0, abs=1e-9 * SMALL.mass * G * SMALL.b)
+
+
+BOTH = ("compliant_base.corner_stiffness=1e6", "bouncing.contact_frequency=60")
+"""A soft floor and a hard contact."""
+
+
+def with_curve(soft: str, value: float, **options: Any) -> Any:
+    """A run with a torque of that much [rad/s^2] on the side to which the block leans."""
+    damped = {"compliant_base": "compliant_base.damping_ratio=0.3", "bouncing": "bouncing.normal_restitution=0.3"}
+    texts = [soft, damped[soft.partition(".")[0]], "learned_curve.odd_intervals=1",
+             f"learned_curve.odd_0={value}", f"learned_curve.odd_1={value}"]  # fmt: skip
+    return solve(Method1(SMALL), options.pop("motion", None), effects=parse(texts), **options)
+
+
+# What is alike on both sides leaves a symmetric block upright, wherever it comes from, and mirrors what mirrors it.
+@pytest.mark.parametrize("value", [-0.5, 0.5])
+@pytest.mark.parametrize("soft", BOTH)
+def test_a_torque_alike_on_both_sides_leans_an_upright_block_to_neither(soft: str, value: float) -> None:
+    upright = with_curve(soft, value, t_end=1.0)
+    assert not upright.theta.any()
+    noise = np.convolve(np.random.default_rng(5).normal(size=60), np.hanning(7) / 3.5, "same")
+    # As long as few impacts have made rounding grow.
+    pair = [
+        with_curve(soft, value, motion=SampledMotion(0.02, 6.0 * side * noise), t_end=0.9, rtol=1e-11, atol=1e-14)
+        for side in (1.0, -1.0)
+    ]
+    assert pair[0].peak_rotation > 0.1 * SMALL.alpha
+    np.testing.assert_allclose(pair[0].theta, -pair[1].theta, rtol=0.0, atol=1e-7 * SMALL.alpha)
+
+
+# Small tilts about the middle of the base, springs 2 k a^2 theta and the torque I f 2 a k theta/(m g), I f where
+# a foot leaves the floor: theta (2 k a^2 - m g H - 2 a k I f/(m g)) = -m a_x H, with H over the sunken base.
+@pytest.mark.parametrize("value", [-4.0, 2.0])
+@pytest.mark.parametrize("push", [0.2, -0.2])
+def test_between_its_feet_a_torque_of_the_side_grows_with_the_tilt(value: float, push: float) -> None:
+    motion = SampledMotion(0.1, np.full(51, push))
+    run = with_curve(BOTH[0], value, motion=motion, t_end=4.0)
+    assert np.all(run.mode == Mode.REST)
+    k, a, m = 1e6, 0.5 * SMALL.b, SMALL.mass
+    H, inertia = 0.5 * SMALL.h - m * G / (2.0 * k), SMALL.I_c + m * (a**2 + (0.5 * SMALL.h) ** 2)
+    held = 2.0 * k * a**2 - m * G * H - 2.0 * a * k * inertia * value / (m * G)
+    assert run.theta[-1] == pytest.approx(-m * push * H / held, rel=2e-3)
 
 
 @pytest.mark.parametrize("theta", [2e-5, -2e-5, 1e-3, -1e-3, 0.1])

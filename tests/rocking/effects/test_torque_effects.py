@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import quad, simpson, solve_ivp
 from scipy.optimize import brentq
 
+from excitation import PiecewiseLinear
 from rocking import Block, Method1, Outcome
 
 G = 9.80665
@@ -18,6 +19,21 @@ def energy(block: Block, theta: Any, omega: Any) -> Any:
     """Per inertia about the corner [1/s^2]: omega^2/2 + p^2 (cos(alpha - |theta|) - cos(alpha))."""
     p2 = 0.75 * G / block.R
     return 0.5 * omega**2 + p2 * (np.cos(block.alpha - np.abs(theta)) - math.cos(block.alpha))
+
+
+# The base falls away and is pushed to one side: the plain block tips to the other, and so does one without its effect.
+@pytest.mark.parametrize("push", [0.5, -0.5])
+@pytest.mark.parametrize("text", ["viscous_damping.coefficient=0", "eccentric_mass.offset=0"])
+@pytest.mark.parametrize("solver", ["numba", "scipy", pytest.param("diffrax", marks=pytest.mark.slow)])
+def test_above_a_base_that_falls_away_the_block_tips_against_the_push(
+    run_with: Any, solver: str, text: str, push: float
+) -> None:
+    motion = PiecewiseLinear(0.05, np.full(8, push), np.full(8, -14.0))
+    plain, other = (run_with(*texts, motion=motion, t_end=0.3, solver=solver, **SHARP) for texts in ((), (text,)))
+    assert push * plain.theta[-1] < 0.0
+    np.testing.assert_allclose(other.theta, plain.theta, rtol=0.0, atol=1e-10)
+    first = other.system.guard_names[other.events.guard[0]]
+    assert first == ("tip_left" if push > 0.0 else "tip_right")
 
 
 # theta'' = -p^2 sin(alpha - theta) - loss(omega), integrated apart from rocking until the corner lands.
