@@ -16,6 +16,10 @@ Onset. A contact begins a share tau of the step before it is found. How the firs
   dt;
 - 'overlap': F_n = kn d, acting in full;
 - 'incremental': F_n and F_s grow by the whole step that finds the contact, as in the paper.
+
+A corner that comes from the side, and has not crossed its edge in this step, begins with F_n = kn d. Where a corner at
+an end of that edge presses already on one of its own two edges, it joins a contact that holds the bodies apart, and
+begins with what the step adds: kn d would be energy from nothing.
 """
 
 from __future__ import annotations
@@ -27,11 +31,11 @@ import numpy as np
 from dem import arrays as q
 from dem.compiled import hot, inner
 from dem.contact_law import clipped
-from dem.narrow_phase import beginning, locate, within
+from dem.narrow_phase import beginning, joins, locate, within
 
 LOCATED, OVERLAPPING, INCREMENTAL = 0, 1, 2
 index = np.uintp  # an index that is not negative: numba need not look whether it counts from the end
-IDLE, HELD, FRESH, HANDED, ENDED, SLID_OFF, GONE = range(7)
+IDLE, HELD, FRESH, JOINING, HANDED, ENDED, SLID_OFF, GONE = range(8)
 
 
 class Rule(NamedTuple):
@@ -67,16 +71,24 @@ class Force(NamedTuple):
     trial: float
 
 
+@inner
+def _awakened(bodies, outline, lists, first, last, k, judgement, dt):
+    """As `state_of`, of an idle slot."""
+    v = beginning(bodies, outline, lists, first, last, k, judgement, dt)
+    if v < 0:
+        return IDLE, v, 0.0, 0.0
+    c, e = lists.slot[k, q.CORNER + v], lists.slot[k, q.EDGE + v]
+    d, place = locate(outline, c, e, judgement.reach)
+    joining = joins(bodies, outline, lists, first, last, c, e, judgement, dt)
+    return JOINING if joining else FRESH, v, d, place
+
+
 @hot
-def state_of(outline, lists, first, last, k, judgement):
+def state_of(bodies, outline, lists, first, last, k, judgement, dt):
     """(what slot k does in this step, its variant, overlap, place)."""
     v = lists.slot[k, q.ACTIVE]
     if v < 0:
-        v = beginning(outline, lists, first, last, k, judgement)
-        if v < 0:
-            return IDLE, v, 0.0, 0.0
-        d, place = locate(outline, lists.slot[k, q.CORNER + v], lists.slot[k, q.EDGE + v], judgement.reach)
-        return FRESH, v, d, place
+        return _awakened(bodies, outline, lists, first, last, k, judgement, dt)
     e = lists.slot[k, q.EDGE + v]
     d, place = locate(outline, lists.slot[k, q.CORNER + v], e, judgement.reach)
     if lists.kept[k, q.OVERLAP] <= 0.0:  # ended in the step before
@@ -100,7 +112,7 @@ def motion_of(state, kept, d, place, v_n, v_t, dt, first_step):
     """Ways in this step: from positions where the same corner was on the same edge before, else from velocities."""
     if first_step:
         return Motion(d, place, 0.0, 0.0, 0.0, 0.0, v_n, v_t)
-    if state == FRESH:
+    if state in (FRESH, JOINING):
         return Motion(d, place, -v_n * dt, v_t * dt, -v_n * dt, v_t * dt, v_n, v_t)
     approach = d - kept[q.OVERLAP]
     if state == HANDED:
@@ -127,13 +139,13 @@ def pressed(spring_n, trial, share, lasted, motion, law, rule):
 
 
 @hot
-def begun(motion, law, rule, first_step):
+def begun(state, motion, law, rule, first_step):
     """Forces in the first step of a contact."""
     kn, ks = law[q.KN], law[q.KS]
     d, approach = motion.overlap, motion.approach
     if first_step:
         return pressed(kn * d, 0.0, 1.0, 1.0, motion, law, rule)
-    if rule.onset == INCREMENTAL:
+    if rule.onset == INCREMENTAL or (state == JOINING and approach <= d):
         return pressed(kn * max(0.0, approach), -ks * motion.slip, 1.0, 1.0, motion, law, rule)
     if approach <= d:  # it came from the side, or was there
         return pressed(kn * d, -ks * motion.slip, 1.0, 1.0, motion, law, rule)
@@ -158,8 +170,8 @@ def force_of(state, kept, motion, law, rule, first_step):
     if state in (HELD, HANDED):
         spring = max(0.0, kept[q.SPRING_N] + law[q.KN] * motion.approach)
         return pressed(spring, kept[q.SPRING_S] - law[q.KS] * motion.slip, 1.0, 1.0, motion, law, rule)
-    if state == FRESH:
-        return begun(motion, law, rule, first_step)
+    if state in (FRESH, JOINING):
+        return begun(state, motion, law, rule, first_step)
     if state == ENDED:
         return ended(kept, motion, law, rule)
     return Force(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, kept[q.SPRING_S])
@@ -322,7 +334,7 @@ def press_slot(bodies, outline, lists, p, k, rule, judgement, dt, first_step):
     """A slot in a step in which something happens to it: forces on body a, moments on both, energies lost, touching."""
     law, a, b = lists.law[p], lists.pair[q.FIRST, p], lists.pair[q.SECOND, p]
     first, last = lists.pair[q.START, p], lists.pair[q.START, p + 1]
-    state, v, d, place = state_of(outline, lists, first, last, k, judgement)
+    state, v, d, place = state_of(bodies, outline, lists, first, last, k, judgement, dt)
     if state == IDLE:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0
     kept = lists.kept[k]

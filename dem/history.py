@@ -58,7 +58,8 @@ class Energies:
     elastic: sum over corners of F_n^2/2kn + F_s^2/2ks
     dashpot, friction: lost since the start
     onset: lost (or, negative, gained) by the force law where a corner lands or leaves inside a step; scatters about
-        0 and is of second order in dt
+        0 and is of second order in dt. In assemblies also what the spring of a corner holds that slips off the end of
+        its edge, or passes on a smaller overlap there: a loss that softer contacts make larger, whatever dt
     base_work: done by the inertial forces -m a_x and -m a_z since the start
     """
 

@@ -14,6 +14,11 @@ the corner's own two edges, give or take a tolerance); near an edge's end, on th
 face it; and never while the corner presses on another edge of the same body. It then stays on this edge until it
 ceases.
 
+Beginning. The corner has to be in the body: behind all of its edges, not this one alone, behind which it may be while
+the bodies are apart, beside an acute corner or a hair above the next edge. The slack at the ends is for a corner that
+comes through this edge in this step. Where two edges land on each other with acute ends, such a corner may already be
+out of the body again; then it counts that the two edges overlap there.
+
 Source  Cundall's corner/edge contacts as in Winkler, Meguro & Yamazaki (1995), Figs 7 and 8; one contact per end is
         ours
 Status  hand-over through exact alignment is continuous; lists with a skin and lists made at every step give the same
@@ -28,6 +33,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem import arrays as q
+from dem.assembly import TOUCHING
 from dem.broad_phase import boxes_of, floor_pairs, in_order, near_pairs
 from dem.compiled import hot, inner
 
@@ -102,7 +108,7 @@ def faces(outline, c, e, tolerance):
 
 @inner
 def begins(outline, c, e, judgement):
-    """Overlap [m] of a corner that begins to touch the edge, else -1."""
+    """Overlap [m] of a corner on an edge that it may begin to touch, else -1."""
     d, place = locate(outline, c, e, judgement.reach)
     if d <= 0.0 or not within(outline, e, place, judgement.end_slack) or not faces(outline, c, e, judgement.facing):
         return -1.0
@@ -116,6 +122,74 @@ def begins(outline, c, e, judgement):
 
 
 @inner
+def inside(outline, c, e, reach, slack):
+    """Is corner c behind all other edges of the body of edge e, or beyond them by no more than slack?"""
+    other = outline.link[q.FOLLOWING, e]
+    while other != e:
+        d, _ = locate(outline, c, other, reach)
+        if d < -slack:
+            return False
+        other = outline.link[q.FOLLOWING, other]
+    return True
+
+
+@inner
+def _end_and_edge(outline, c, e, place):
+    """The end of edge e near corner c, and the edge at c that faces e if the two edges overlap there."""
+    end = e if place < 0.5 * outline.place[q.HIGH, e] else outline.link[q.FOLLOWING, e]
+    # Both outlines turn left: the start of one edge lies at the end of the edge that faces it.
+    return end, outline.link[q.PREVIOUS, c] if end == e else c
+
+
+@inner
+def _before(bodies, outline, i, dt):
+    """Where corner i was a step ago, and the normal of its edge: x, z, n_x, n_z."""
+    own = outline.link[q.OWNER, i]
+    theta = bodies[q.THETA, own] - dt * bodies[q.OMEGA, own]
+    c, s = math.cos(theta), math.sin(theta)
+    x, z = outline.place[q.LOCAL_X, i], outline.place[q.LOCAL_Z, i]
+    n_x, n_z = outline.place[q.LOCAL_NX, i], outline.place[q.LOCAL_NZ, i]
+    return (
+        bodies[q.X, own] - dt * bodies[q.VX, own] + (x * c + z * s),
+        bodies[q.Z, own] - dt * bodies[q.VZ, own] + (z * c - x * s),
+        n_x * c + n_z * s,
+        n_z * c - n_x * s,
+    )
+
+
+@inner
+def passes(bodies, outline, c, e, judgement, dt):
+    """Has corner c come through the line of edge e in this step?"""
+    x, z, _, _ = _before(bodies, outline, c, dt)
+    q_x, q_z, n_x, n_z = _before(bodies, outline, e, dt)
+    size = max(bodies[q.RADIUS, outline.link[q.OWNER, c]], bodies[q.RADIUS, outline.link[q.OWNER, e]])
+    d = judgement.reach - ((x - q_x) * n_x + (z - q_z) * n_z)
+    return d <= judgement.end_slack + TOUCHING * size
+
+
+@inner
+def overlap_beyond(outline, c, e, judgement):
+    """Do edge e and the edge at corner c that faces it overlap at the end of e near c, wherever c has got to?
+
+    At acute ends both corners may be out of the other body while the edges overlap. It tells them from a corner that
+    goes past the end of e.
+    """
+    _, place = locate(outline, c, e, judgement.reach)
+    end, facing_edge = _end_and_edge(outline, c, e, place)
+    d, _ = locate(outline, end, facing_edge, judgement.reach)
+    return d > 0.0
+
+
+@inner
+def enters(bodies, outline, c, e, judgement, dt):
+    """Is corner c in the body of edge e, or has it come through the edge, be it beside the end by a hair?"""
+    if inside(outline, c, e, judgement.reach, 0.0):
+        return True
+    near = inside(outline, c, e, judgement.reach, judgement.end_slack) or overlap_beyond(outline, c, e, judgement)
+    return near and passes(bodies, outline, c, e, judgement, dt)
+
+
+@inner
 def presses_elsewhere(lists, first, last, k, c):
     """Is corner c active in a slot of first..last other than k?"""
     for m in range(first, last):
@@ -126,15 +200,28 @@ def presses_elsewhere(lists, first, last, k, c):
 
 
 @inner
-def beginning(outline, lists, first, last, k, judgement):
+def joins(bodies, outline, lists, first, last, c, e, judgement, dt):
+    """Has corner c, not just come through edge e, a corner at an end of e that presses on one of c's two edges?"""
+    after, before = outline.link[q.FOLLOWING, e], outline.link[q.PREVIOUS, c]
+    for m in range(first, last):
+        v = lists.slot[m, q.ACTIVE]
+        if v >= 0 and lists.slot[m, q.CORNER + v] in (e, after) and lists.slot[m, q.EDGE + v] in (c, before):
+            return not passes(bodies, outline, c, e, judgement, dt)
+    return False
+
+
+@inner
+def beginning(bodies, outline, lists, first, last, k, judgement, dt):
     """The variant of the idle slot k that begins to touch (of least overlap), or -1."""
     best, least = -1, np.inf
     for v in range(2):
-        c = lists.slot[k, q.CORNER + v]
+        c, e = lists.slot[k, q.CORNER + v], lists.slot[k, q.EDGE + v]
         if c < 0:
             break
-        d = begins(outline, c, lists.slot[k, q.EDGE + v], judgement)
-        if 0.0 < d < least and not presses_elsewhere(lists, first, last, k, c):
+        d = begins(outline, c, e, judgement)
+        if not 0.0 < d < least or presses_elsewhere(lists, first, last, k, c):
+            continue
+        if enters(bodies, outline, c, e, judgement, dt):
             best, least = v, d
     return best
 
@@ -150,14 +237,13 @@ def _holds(lists, k, c, e):
 
 @inner
 def _partner(outline, c, e, place, near):
-    """(corner, edge) that may hold the same end as c on e: e's corner near c, on the edge of c's body that faces e."""
-    end = e if place < 0.5 * outline.place[q.HIGH, e] else outline.link[q.FOLLOWING, e]
+    """(corner, edge) that may hold the same end as c on e, or -1, -1: e's corner near c, on c's edge that faces e."""
+    end, facing_edge = _end_and_edge(outline, c, e, place)
     if (outline.place[q.AT_X, c] - outline.place[q.AT_X, end]) ** 2 + (
         outline.place[q.AT_Z, c] - outline.place[q.AT_Z, end]
     ) ** 2 > near * near:
         return -1, -1
-    # Both outlines turn left: the start of one edge lies at the end of the edge that faces it.
-    return end, outline.link[q.PREVIOUS, c] if end == e else c
+    return end, facing_edge
 
 
 @inner
