@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +19,8 @@ from dem import checks
 from dem.initial_contacts import depths, near_pairs, outlines_of
 from dem.materials import Contacts, ContactTable, contact_table
 from dem.shapes import FloatArray, Polygon, convex
+
+Thing = TypeVar("Thing")
 
 TOUCHING = 1e-9  # bodies may overlap by this share of their size at the start, for rounding of coordinates
 
@@ -132,14 +135,21 @@ def bodies_of(
 ) -> tuple[Body, ...]:
     """Bodies of one depth [m] and density [kg/m^3] from the corners of each [m], shape (corner, 2).
 
+    names: one for each body, or none at all
     Raises ValueError as `body`, with the number of the body.
     """
     made = []
     if not isinstance(outlines, Iterable):
         raise ValueError(f"outlines={outlines!r}: want the corners of each body [m]")
+    outlines = list(outlines)
+    listed = isinstance(names, Iterable) and not isinstance(names, str)
+    called = list(names) if listed else []
+    fits = len(called) in (0, len(outlines)) and all(isinstance(name, str) for name in called)
+    if not (listed and fits):
+        raise ValueError(f"names={names!r}: want a list of {len(outlines)} names, one for each body, or none")
     for number, vertices in enumerate(outlines):
         try:
-            made.append(body(vertices, depth, density, material=material, name=names[number] if names else ""))
+            made.append(body(vertices, depth, density, material=material, name=called[number] if called else ""))
         except ValueError as error:
             raise ValueError(f"body {number}: {error}") from None
     return tuple(made)
@@ -174,8 +184,8 @@ class Assembly:
         return html_of(bodies, walls, self.floor, repr(self)[1:-1])
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "bodies", tuple(self.bodies))
-        object.__setattr__(self, "walls", tuple(self.walls))
+        object.__setattr__(self, "bodies", _all_of("bodies", self.bodies, Body))
+        object.__setattr__(self, "walls", _all_of("walls", self.walls, Wall))
         if not self.bodies:
             raise ValueError("bodies=(): want at least one body")
         _check_velocities(self.bodies)
@@ -213,10 +223,22 @@ class Assembly:
         return math.fsum(body.mass for body in self.bodies)
 
 
+def _all_of(name: str, things: Any, wanted: type[Thing]) -> tuple[Thing, ...]:
+    """A tuple of the things; ValueError unless all are what is wanted."""
+    if not isinstance(things, Iterable):
+        raise ValueError(f"{name}={things!r}: want a tuple of {name}")
+    things = tuple(things)
+    for number, thing in enumerate(things):
+        checks.kind(
+            f"{name}[{number}]", thing, wanted, f"a {wanted.__name__}, as dem.{wanted.__name__.lower()} makes it"
+        )
+    return things
+
+
 def _check_velocities(bodies: Sequence[Body]) -> None:
     for number, thing in enumerate(bodies):
         for label in ("x", "z", "vx", "vz", "omega"):
-            if not math.isfinite(getattr(thing, label)):
+            if not math.isfinite(checks.real(getattr(thing, label))):
                 raise ValueError(f"body {number}: {label}={getattr(thing, label)}: want a finite number")
         if not (math.isfinite(thing.mass) and thing.mass > 0.0):
             raise ValueError(f"body {number}: mass={thing.mass} kg: want a positive, finite number")

@@ -18,6 +18,7 @@ from dem import assembly_setup, assembly_step, assembly_threads, contact_forces,
 from dem.arrays import Lists, Saved, Watched, lists_of
 from dem.assembly import Assembly
 from dem.assembly_history import AssemblyHistory, Ending, Fall, Separation
+from dem.assembly_stability import all_touches
 from dem.history import Energies
 from dem.materials import ContactTable
 from dem.motion_of_bodies import BLOWN_UP, FALLEN, LEFT, Field, Limits
@@ -61,9 +62,16 @@ class Run:
         self.outline = assembly_setup.outline_of(assembly)
         self.materials = assembly_setup.materials_of(assembly, table)
         skin = assembly_setup.default_skin(assembly) if judgement.skin is None else judgement.skin
-        update_after = LARGEST_WAY * skin if judgement.update_after is None else judgement.update_after
-        if update_after > LARGEST_WAY * skin:
-            raise ValueError(f"update_after={update_after} m: want at most {LARGEST_WAY * skin:.6g} m with this skin")
+        widest = assembly_setup.widest_skin(assembly)
+        if skin > widest * (1.0 + 1e-9):
+            raise ValueError(
+                f"skin={skin:.6g} m: want at most {widest:.6g} m, half of the shortest edge or least breadth of the "
+                "scene"
+            )
+        latest = min(LARGEST_WAY * skin, assembly_setup.way_of_turning(assembly, narrow_phase.LOOSE - judgement.facing))
+        update_after = latest if judgement.update_after is None else judgement.update_after
+        if update_after > latest:
+            raise ValueError(f"update_after={update_after} m: want at most {latest:.6g} m in this scene with this skin")
         settings |= {"judgement_skin": skin, "judgement_update_after": update_after}
         self.judgement = narrow_phase.Judgement(
             skin, update_after, judgement.reach, judgement.end_slack, judgement.facing
@@ -73,13 +81,14 @@ class Run:
         self.counts = np.zeros(8, np.int64)
         self.counters = np.zeros(16 * self.workers, np.int64)
         self.told = np.zeros(assembly_step.APART * self.workers, np.int64)
-        self.speed = _natural_speed(assembly, self.g)
-        if skin < 2.0 * self.dt * self.speed:
+        meeting = _natural_speed(assembly, self.g, assembly_setup.lowest_to_meet(assembly))
+        if skin < 2.0 * self.dt * meeting:
             raise ValueError(
-                f"skin={skin:.6g} m: want at least {2.0 * self.dt * self.speed:.6g} m, or a smaller step: bodies that "
+                f"skin={skin:.6g} m: want at least {2.0 * self.dt * meeting:.6g} m, or a smaller step: bodies that "
                 "move by more than that in a step may pass through each other"
             )
         self.limits = self._limits(math.inf, 0.0)
+        self.speed = _natural_speed(assembly, self.g, self.limits.z_low)
         self.lists: list[Lists] = []
         self._take_room(assembly_setup.room_for(assembly))
 
@@ -154,7 +163,7 @@ class Run:
         bodies[SPEEDS] = 0.0
         self._begin(2)
         self.counts[assembly_step.DUE], self.counts[assembly_step.FIRST] = 1, 1
-        self.watched = _no_interfaces(self)
+        self.watched = assembly_setup.watched_interfaces([], self.outline, bodies[q.THETA])
         self.limits = self._limits(HEADROOM * self.speed, SETTLING)
         clock = assembly_step.Clock(self.dt, -1, 2**62, 2**62, self.g, 1)
         self.counts[assembly_step.UNTIL_SAVE] = 2**62
@@ -186,19 +195,14 @@ class Run:
         settled = bool(self.settings["settle"])
         if not settled:
             self.counts[assembly_step.DUE], self.counts[assembly_step.FIRST] = 1, 1
-            self.watched = _no_interfaces(self)
-        else:
-            self.watched = self._interfaces()
+        self.watched = self._interfaces(settled)
         tell, close = _teller(progress, self.dt * self.last_step)
         ending = assembly_step.RUNNING
         try:
             while ending == assembly_step.RUNNING:
                 step = int(self.counts[assembly_step.STEP])
-                # Without settling the bodies that touch are known after the first step.
-                first = 1 if step == 0 and not settled else self._chunk()
-                ending = self._advance(self._field(motion, step, min(first, self.last_step + 1 - step)), clock)
-                if first == 1:
-                    self.watched = self._interfaces()
+                steps = min(self._chunk(), self.last_step + 1 - step)
+                ending = self._advance(self._field(motion, step, steps), clock)
                 tell(float(self.counts[assembly_step.STEP]) * self.dt)
         except KeyboardInterrupt:
             return self._history(Ending.INTERRUPTED, motion)
@@ -207,10 +211,14 @@ class Run:
         endings = {FALLEN: Ending.FELL, LEFT: Ending.LEFT, BLOWN_UP: Ending.UNSTABLE}
         return self._history(endings.get(ending, Ending.REACHED_END), motion)
 
-    def _interfaces(self) -> Watched:
-        """The interfaces that are closed now."""
-        lists = self.lists[int(self.counts[assembly_step.WHICH])]
-        return assembly_setup.watched_interfaces(lists, self.outline, self.bodies[q.THETA])
+    def _interfaces(self, settled: bool) -> Watched:
+        """Those where contacts press now, or, before the first step, where things touch as they are laid."""
+        if settled:
+            touching = assembly_setup.pressing(self.lists[int(self.counts[assembly_step.WHICH])])
+        else:
+            touch = all_touches(self.assembly, self.judgement.reach)
+            touching = assembly_setup.touching(touch, self.outline)
+        return assembly_setup.watched_interfaces(touching, self.outline, self.bodies[q.THETA])
 
     def _field(self, motion: Motion | None, first: int, steps: int) -> Field:
         times = np.arange(first, first + steps, dtype=np.float64) * self.dt
@@ -265,9 +273,8 @@ class Run:
             time = float(self.bodies[q.FELL, number])
             if math.isnan(time):
                 continue
-            passed = float(self.bodies[q.CROSSED, number])
-            tipped = self.bodies[q.BEYOND, number] == 1.0 and passed <= time
-            found.append(Fall(number, name, passed if tipped else time, time))
+            tipped = self.bodies[q.BEYOND, number] == 1.0
+            found.append(Fall(number, name, float(self.bodies[q.CROSSED, number]) if tipped else time, time))
         return tuple(sorted(found, key=lambda fall: (fall.overturning_time, fall.body)))
 
     def _separations(self) -> tuple[Separation, ...]:
@@ -301,15 +308,9 @@ class Run:
         return number, f"speed = {speed[number]:.6g} m/s where at most {limits.speed:.6g} m/s is possible"
 
 
-def _no_interfaces(run: Run) -> Watched:
-    empty = lists_of(run.bodies.shape[1], 0, 0)
-    return assembly_setup.watched_interfaces(empty, run.outline, run.bodies[q.THETA])
-
-
-def _natural_speed(assembly: Assembly, g: float) -> float:
-    """Speed [m/s] that the initial motion and a fall can make together."""
+def _natural_speed(assembly: Assembly, g: float, lowest: float) -> float:
+    """Speed [m/s] that the initial motion and a fall to the height `lowest` [m] can make together."""
     highest = max(body.z + 2.0 * body.shape.radius for body in assembly.bodies)
-    lowest = min(0.0, *(body.z for body in assembly.bodies)) if len(assembly.bodies) > 1 else 0.0
     fastest = max(abs(b.vx) + abs(b.vz) + b.shape.radius * abs(b.omega) for b in assembly.bodies)
     fall = math.sqrt(2.0 * max(g, 1e-3) * (highest - lowest))
     heaviest = max(body.mass for body in assembly.bodies) / min(body.mass for body in assembly.bodies)

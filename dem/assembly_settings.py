@@ -18,9 +18,11 @@ class ContactJudgement:
     """When a corner counts as on an edge, and when contacts are updated; the defaults depend on the scene.
 
     skin: places where bodies may touch are listed within this distance [m]. It changes the speed, not the result. None:
-        an eighth of the shortest edge or least breadth in the scene, at most a tenth of a typical body's half-diagonal
+        an eighth of the shortest edge or least breadth in the scene, at most a tenth of a typical body's half-diagonal;
+        more than half of that edge or breadth is refused
     update_after: the list is made anew when a body may have moved by this much relative to the table [m], 0: at every
-        step. None: 0.475 of the skin, the most with which no contact can be missed
+        step. None: the most with which no contact can be missed, 0.475 of the skin, less where two bodies could turn so
+        far that edges come to face corners they were not listed with
     reach: an edge is felt from this far off [m]
     end_slack: a corner may lie this far beyond the end of an edge when it begins to touch [m]
     facing: how exactly an edge has to face a corner that begins to touch it [rad]

@@ -14,6 +14,7 @@ import numpy as np
 from dem import arrays as q
 from dem.arrays import Lists, Outline, Watched, lists_of
 from dem.assembly import Assembly
+from dem.initial_contacts import Touch
 from dem.materials import ContactTable
 from dem.narrow_phase import Grid, Materials
 from dem.shapes import FloatArray, Polygon
@@ -107,9 +108,31 @@ def cell_size(assembly: Assembly, skin: float) -> float:
 def default_skin(assembly: Assembly) -> float:
     """An eighth of the shortest edge or least breadth of anything in the scene, but at most a tenth of a typical
     body."""
+    return float(min(_shortest(assembly) / 8.0, 0.1 * np.median([body.shape.radius for body in assembly.bodies])))
+
+
+def widest_skin(assembly: Assembly) -> float:
+    """Half of the shortest edge or least breadth [m]: a list that is wider pairs corners with the wrong ends."""
+    return 0.5 * _shortest(assembly)
+
+
+def way_of_turning(assembly: Assembly, angle: float) -> float:
+    """How far the farthest corners of any two bodies may go [m] before the two have turned by the angle [rad], with a
+    twentieth of it to spare for the last step."""
+    turning = sorted(1.0 / body.shape.radius for body in assembly.bodies)[-2:]
+    return 0.95 * angle / math.fsum(turning)
+
+
+def lowest_to_meet(assembly: Assembly) -> float:
+    """Height of the lowest thing that a falling body may meet [m]."""
+    lowest = min(float(thing.vertices[:, 1].min()) for thing in assembly.things)
+    return min(0.0, lowest) if assembly.floor else lowest
+
+
+def _shortest(assembly: Assembly) -> float:
+    """Shortest edge or least breadth of anything in the scene [m]."""
     shapes = [thing.shape for thing in assembly.things]
-    shortest = min(min(_edges(shape).min(), least_breadth(shape)) for shape in shapes)
-    return float(min(shortest / 8.0, 0.1 * np.median([body.shape.radius for body in assembly.bodies])))
+    return float(min(min(_edges(shape).min(), least_breadth(shape)) for shape in shapes))
 
 
 def _edges(shape: Polygon) -> FloatArray:
@@ -124,25 +147,53 @@ def least_breadth(shape: Polygon) -> float:
     return float(inward.max(axis=1).min())
 
 
-def watched_interfaces(lists: Lists, outline: Outline, theta: FloatArray) -> Watched:
-    """The pairs that touch now, with the two contacts of each that lie farthest apart."""
-    between: list[tuple[int, int]] = []
-    ends: list[list[tuple[int, int]]] = []
-    for p in range(int(lists.size[0])):
-        touching = [
-            (int(corner), int(edge))
-            for k in range(lists.pair[q.START, p], lists.pair[q.START, p + 1])
-            for v in [int(lists.slot[k, q.ACTIVE])]
-            if v >= 0
-            for corner, edge in [lists.slot[k, [q.CORNER + v, q.EDGE + v]]]
-        ]
-        if touching:
-            touching.sort(key=lambda contact: (outline.place[q.AT_X, contact[0]], outline.place[q.AT_Z, contact[0]]))
-            between.append((int(lists.pair[q.FIRST, p]), int(lists.pair[q.SECOND, p])))
-            ends.append([touching[0], touching[-1] if len(touching) > 1 else (-1, -1)])
-    bodies = np.array(between, np.int64).reshape(-1, 2)
+class Place(NamedTuple):
+    """Where two things touch: their numbers, and which corner of one on which edge of the other."""
+
+    first: int
+    second: int
+    corner: int
+    edge: int
+
+
+def pressing(lists: Lists) -> list[Place]:
+    """The contacts that press now."""
+    return [
+        Place(
+            int(lists.pair[q.FIRST, p]),
+            int(lists.pair[q.SECOND, p]),
+            *map(int, lists.slot[k, [q.CORNER + v, q.EDGE + v]]),
+        )
+        for p in range(int(lists.size[0]))
+        for k in range(lists.pair[q.START, p], lists.pair[q.START, p + 1])
+        for v in [int(lists.slot[k, q.ACTIVE])]
+        if v >= 0
+    ]
+
+
+def touching(touch: Touch, outline: Outline) -> list[Place]:
+    """The places where things touch as they are laid."""
+    # The last corner of things with fewer corners than others is there once more at the end.
+    first, last = outline.span[q.FROM], outline.span[q.COUNT] - 1
+    on = touch.first + touch.second - touch.owner
+    corner = first[touch.owner] + np.minimum(touch.corner, last[touch.owner])
+    edge = first[on] + np.minimum(touch.edge, last[on])
+    columns = (touch.first, touch.second, corner, edge)
+    return [Place(*row) for row in zip(*(column.tolist() for column in columns), strict=True)]
+
+
+def watched_interfaces(places: list[Place], outline: Outline, theta: FloatArray) -> Watched:
+    """The pairs that touch at these places, with the two places of each that lie farthest apart."""
+    pairs: dict[tuple[int, int], list[tuple[int, int]]] = {}
+    for place in places:
+        pairs.setdefault((place.first, place.second), []).append((place.corner, place.edge))
+    ends = []
+    for pair in sorted(pairs):
+        along = sorted(pairs[pair], key=lambda one: (outline.place[q.AT_X, one[0]], outline.place[q.AT_Z, one[0]]))
+        ends.append([along[0], along[-1] if len(along) > 1 else (-1, -1)])
+    between = np.array(sorted(pairs), np.int64).reshape(-1, 2)
     contacts = np.array(ends, np.int64).reshape(-1, 2, 2)
-    return Watched(bodies, contacts, theta[bodies[:, 1]] - theta[bodies[:, 0]], np.full(len(bodies), math.nan))
+    return Watched(between, contacts, theta[between[:, 1]] - theta[between[:, 0]], np.full(len(between), math.nan))
 
 
 def larger(old: Lists, bodies: int, room: Room) -> Lists:

@@ -20,6 +20,7 @@ from scipy.optimize import brentq
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import eigsh
 
+from dem import checks
 from dem.assembly import Assembly
 from dem.initial_contacts import IntArray, Touch, near_pairs, outlines_of, touches
 from dem.materials import Contacts, ContactTable
@@ -33,8 +34,9 @@ NEAR = 1e-6  # things this close count as touching, as a share of the largest bo
 def assembly_critical_step(assembly: Assembly, contact: Contacts) -> float:
     """Largest stable step [s] of an assembly as it stands, with the contact parameters of its run.
 
-    Raises ValueError where `contact` lacks a pair of materials.
+    Raises ValueError unless it is an Assembly, and where `contact` lacks a pair of materials.
     """
+    checks.kind("assembly", assembly, Assembly, "an Assembly, as column(3, b, h, d, density) makes it")
     table = assembly.contact_table(contact)
     numbers = np.array([table.names.index(name) for name in assembly.materials])
     alone = min(
@@ -67,7 +69,7 @@ def _alone(mass: float, inertia: float, corners: bytes, kn: float, ks: float, c:
 
 def _together(assembly: Assembly, table: ContactTable, numbers: IntArray) -> float:
     """Step of all bodies with all their contacts; infinite where nothing touches."""
-    touch = _all_touches(assembly)
+    touch = all_touches(assembly)
     if not len(touch.first):
         return math.inf
     scaled, movable = _rows(assembly, touch)
@@ -86,18 +88,21 @@ def _together(assembly: Assembly, table: ContactTable, numbers: IntArray) -> flo
     return float(brentq(excess, 1e-9 * high, high * (1.0 + 1e-9), xtol=1e-9 * high))
 
 
-def _all_touches(assembly: Assembly) -> Touch:
-    """Contacts among bodies, with walls and with the floor, the latter numbered last."""
+def all_touches(assembly: Assembly, reach: float = 0.0) -> Touch:
+    """Contacts among bodies, with walls and with the floor, the latter numbered last.
+
+    reach: how far off an edge is felt [m]
+    """
     things = assembly.things
     outlines = outlines_of(things)
-    within = NEAR * max(body.shape.radius for body in assembly.bodies)
+    within = max(reach, NEAR * max(body.shape.radius for body in assembly.bodies))
     touch = touches(outlines, near_pairs(assembly.bodies, assembly.walls), within)
     if not assembly.floor:
         return touch
     own = outlines.corners[: len(assembly.bodies)]
     b, c = np.nonzero((np.abs(own[..., 1]) <= within) & (outlines.lengths[: len(assembly.bodies)] > 0.0))
     up = np.tile([0.0, 1.0], (len(b), 1))
-    on_floor = Touch(b, np.full(b.shape, len(things)), own[b, c], up)
+    on_floor = Touch(b, np.full(b.shape, len(things)), own[b, c], up, b, c, np.zeros_like(c))
     return Touch(*(np.concatenate(columns) for columns in zip(touch, on_floor, strict=True)))
 
 

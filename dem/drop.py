@@ -75,8 +75,9 @@ class Drop:
         """The drop by distinct elements, sampled at 0, interval, ... [s].
 
         dt: step [s], a whole part of the interval; onset: 'incremental' (the paper's), 'overlap' or 'located'
-        Raises ValueError for an unknown onset, a step that is no whole part of the interval, and one at or above the
-        critical step.
+        samples: how many, 2 or more
+        Raises ValueError for an unknown onset, fewer samples, a step that is no whole part of the interval, and one at
+        or above the critical step.
         """
         checks.positive("dt", dt, "s")
         checks.positive("interval", interval, "s")
@@ -85,6 +86,7 @@ class Drop:
             raise ValueError(f"dt={dt} s: want a whole part of the sampling interval, {interval} s")
         if onset not in ONSETS:
             raise ValueError(f"onset={onset!r}: want one of {', '.join(ONSETS)}")
+        checks.whole("samples", samples, 2)
         t_end = interval * (samples - 1)
         if onset != "located":
             return simulate(

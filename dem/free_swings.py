@@ -83,7 +83,17 @@ def passages(theta: FloatArray) -> IntArray:
 
 
 def swings(time: FloatArray, theta: FloatArray) -> Swings:
-    """Passages and peaks of a sampled rotation; time [s] and theta [rad] of shape (time,)."""
+    """Passages and peaks of a sampled rotation; time [s] and theta [rad] of shape (time,).
+
+    Raises ValueError unless both are finite and of one such shape.
+    """
+    time, theta = checks.numbers("time", time), checks.numbers("theta", theta)
+    if time.ndim != 1 or time.shape != theta.shape:
+        raise ValueError(f"time, theta of shapes {time.shape}, {theta.shape}: want one rotation per time")
+    for name, values, unit in (("time", time, "s"), ("theta", theta, "rad")):
+        if not np.isfinite(values).all():
+            first = int(np.argmin(np.isfinite(values)))
+            raise ValueError(f"{name}[{first}]={values[first]} {unit}: want finite numbers")
     upright = passages(theta)
     share = theta[upright] / (theta[upright] - theta[upright + 1])
     tilt = np.abs(theta)

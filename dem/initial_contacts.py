@@ -39,13 +39,16 @@ class Outlines(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """Where things touch: things, point [m], shape (contact, 2), and direction of the normal force, shape (contact,
-    2)."""
+    """Where things touch: things; point [m] and direction of the normal force, shape (contact, 2); whose corner it is,
+    its number there, and that of the other's edge, as in `Outlines`."""
 
     first: IntArray
     second: IntArray
     point: FloatArray
     normal: FloatArray
+    owner: IntArray
+    corner: IntArray
+    edge: IntArray
 
 
 def outlines_of(things: Sequence[Placed]) -> Outlines:
@@ -104,13 +107,13 @@ def _overlaps(outlines: Outlines, edges_of: IntArray, corners_of: IntArray) -> F
 def touches(outlines: Outlines, pairs: IntArray, within: float) -> Touch:
     """Contacts of corners with facing edges at most `within` [m] away; one per point of a pair."""
     found = [_touches_one_way(outlines, pairs, i, j, within) for i, j in ((0, 1), (1, 0))]
-    first, second, point, normal = (np.concatenate(columns) for columns in zip(*found, strict=True))
-    places = np.round(point / max(within, 1e-12) / 4.0)
-    _, once = np.unique(np.column_stack([first, second, places]), axis=0, return_index=True)
-    return Touch(first[once], second[once], point[once], normal[once])
+    every = Touch(*map(np.concatenate, zip(*found, strict=True)))
+    places = np.round(every.point / max(within, 1e-12) / 4.0)
+    _, once = np.unique(np.column_stack([every.first, every.second, places]), axis=0, return_index=True)
+    return Touch._make(column[once] for column in every)
 
 
-def _touches_one_way(outlines: Outlines, pairs: IntArray, i: int, j: int, within: float) -> tuple[npt.NDArray, ...]:
+def _touches_one_way(outlines: Outlines, pairs: IntArray, i: int, j: int, within: float) -> Touch:
     """Corners of the pair's member j on edges of its member i."""
     edges_of, corners_of = pairs[:, i], pairs[:, j]
     corners, normals, lengths = outlines
@@ -127,7 +130,8 @@ def _touches_one_way(outlines: Outlines, pairs: IntArray, i: int, j: int, within
     on &= (turn_in >= -0.1) & (turn_out >= -0.1) & (lengths[edges_of] > 0.0)[:, :, None]
     on &= (lengths[corners_of] > 0.0)[:, None, :]
     p, e, c = np.nonzero(on)
-    return pairs[p, 0], pairs[p, 1], corners[corners_of[p], c], normals[edges_of[p], e]
+    point, normal = corners[corners_of[p], c], normals[edges_of[p], e]
+    return Touch(pairs[p, 0], pairs[p, 1], point, normal, corners_of[p], c, e)
 
 
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:

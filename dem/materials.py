@@ -69,8 +69,10 @@ class ContactTable:
 def contact_table(contacts: Contacts, movable: Sequence[str], fixed: Sequence[str]) -> ContactTable:
     """Table for the materials of these bodies and of what is fixed to the table.
 
-    Raises ValueError where `contacts` says nothing of a pair that can meet, or says it twice differently.
+    Raises ValueError where `contacts` says nothing of a pair that can meet, says it twice differently, or is neither a
+    Contact nor a mapping of pairs of names to Contacts.
     """
+    _check(contacts)
     names = tuple(dict.fromkeys((*movable, *fixed)))
     several = {name for name in movable if movable.count(name) > 1}
     own = set(movable)
@@ -100,10 +102,21 @@ def contact_table(contacts: Contacts, movable: Sequence[str], fixed: Sequence[st
     )
 
 
+def _check(contacts: object) -> None:
+    if isinstance(contacts, Contact):
+        return
+    wanted = "a Contact, or a mapping of pairs of materials to Contacts"
+    if not isinstance(contacts, Mapping):
+        raise ValueError(f"contact={contacts!r}: want {wanted}")
+    for pair, contact in contacts.items():
+        if not (isinstance(pair, tuple) and len(pair) == 2 and all(isinstance(name, str) for name in pair)):
+            raise ValueError(f"contact of {pair!r}: want the names of two materials")
+        checks.kind(f"contact of {pair!r}", contact, Contact, "a Contact")
+
+
 def _between(contacts: Contacts, first: str, second: str) -> Contact:
     if isinstance(contacts, Contact):
         return contacts
-    checks.kind("contact", contacts, Mapping, "a Contact, or a mapping of pairs of materials to Contacts")
     found = {contacts[pair] for pair in ((first, second), (second, first)) if pair in contacts}
     if len(found) != 1:
         raise ValueError(

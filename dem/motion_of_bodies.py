@@ -109,6 +109,8 @@ def held_back(acceleration, speed, share):
 def watch_fall(bodies, b, limits, time):
     """Note when the balance is passed outwards and when the body has fallen; True when it falls just now."""
     own = index(b)
+    if bodies[q.FELL, own] == bodies[q.FELL, own]:  # what it does later no longer counts
+        return False
     turned = bodies[q.THETA, own] - bodies[q.START_THETA, own]
     beyond_right, beyond_left = turned >= bodies[q.TILT_RIGHT, own], -turned >= bodies[q.TILT_LEFT, own]
     if beyond_right or beyond_left:
@@ -120,8 +122,6 @@ def watch_fall(bodies, b, limits, time):
             )
     else:
         bodies[q.BEYOND, own] = 0.0
-    if bodies[q.FELL, own] == bodies[q.FELL, own]:
-        return False
     if abs(turned) >= limits.tilt or bodies[q.Z, own] < bodies[q.START_Z, own] - limits.drop[b]:
         bodies[q.FELL, own] = time
         return True

@@ -19,7 +19,7 @@ from dem.interrupts import uninterrupted
 from dem.scenes import Scene
 from dem.shapes import FloatArray
 from dem.stability import critical_step
-from dem.table_motion import Motion, accelerations, pitches, refuse_pitch
+from dem.table_motion import Motion, accelerations, check_motion, pitches, refuse_pitch
 
 CHUNK = 50_000  # steps between looks at the base motion and calls of `progress`
 MOST_STEPS = 1e12  # months of computing
@@ -84,6 +84,7 @@ def simulate(
     at or above the body's critical step (`dem.critical_step`).
     """
     checks.kind("scene", scene, Scene, "a Scene, as single_block(b, h, d, density) makes it")
+    check_motion(motion)
     mass = scene.mass
     for name, value, unit in (("t_end", t_end, "s"), ("dt", dt, "s"), ("kn", kn, "N/m"), ("ks", ks, "N/m")):
         checks.positive(name, value, unit)

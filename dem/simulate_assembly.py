@@ -19,7 +19,7 @@ from dem.assembly_settings import ContactJudgement, Criteria
 from dem.assembly_stability import assembly_critical_step
 from dem.materials import Contact, Contacts
 from dem.simulate import MOST_STEPS
-from dem.table_motion import Motion
+from dem.table_motion import Motion, check_motion
 
 SAFE_SHARE = 0.25  # default step, as a share of the critical one
 SAMPLES = 2000  # about as many are kept unless the caller says otherwise
@@ -72,7 +72,13 @@ def simulate_assembly(
     step, and where a standing assembly does not come to rest under gravity alone.
     """
     checks.kind("assembly", assembly, Assembly, "an Assembly, as column(3, b, h, d, density) makes it")
-    judgement, criteria = judgement or ContactJudgement(), criteria or Criteria()
+    check_motion(motion)
+    judgement = ContactJudgement() if judgement is None else judgement
+    criteria = Criteria() if criteria is None else criteria
+    checks.kind("judgement", judgement, ContactJudgement, "a ContactJudgement, or None")
+    checks.kind("criteria", criteria, Criteria, "a Criteria, or None")
+    if settle is not None and checks.real(settle) not in (0.0, 1.0):
+        raise ValueError(f"settle={settle!r}: want True, False or None")
     checks.positive("t_end", t_end, "s")
     checks.not_negative("g", g, "m/s^2")
     if checks.numbers("pitch_about", pitch_about).shape != (2,):

@@ -30,6 +30,12 @@ class Frame(NamedTuple):
     turn: FloatArray
 
 
+def check_motion(motion: object) -> None:
+    """ValueError unless it can be called or is None."""
+    if motion is not None and not callable(motion):
+        raise ValueError(f"motion={motion!r}: want a function of the times [s] that gives (a_x, a_z), or None")
+
+
 def pitches(motion: Motion | None) -> bool:
     """Does the motion have a pitch?"""
     return callable(getattr(motion, "pitch", None))

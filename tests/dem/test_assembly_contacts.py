@@ -244,6 +244,35 @@ def test_a_contact_is_never_missed_lists_with_a_skin_give_the_bits_of_lists_made
         assert np.array_equal(getattr(lasting, quantity), getattr(fresh, quantity)), quantity
 
 
+@pytest.mark.parametrize(
+    ("scene", "skin"),
+    [
+        # A corner rests within 2 mm of an end of an edge at 0.97 s; the default skin is 2.5 mm.
+        (dem.bookshelf(), 0.0015),
+        # Half of the shortest edge, the most that is taken, where bodies turn fast or tumble over each other.
+        (
+            dem.Assembly((dem.block(B, H, D, DENSITY, z=0.3, tilt=0.5).moving(vx=0.5, omega=8.0),), standing=False),
+            0.075,
+        ),
+        (dem.column(2, B, 0.2, D, DENSITY), 0.075),
+        (dem.running_bond(2, 2), 0.049),
+    ],
+)
+def test_the_skin_changes_no_bit(scene, skin):
+    def motion(t):
+        return 9.0 * np.sin(2.0 * math.pi * 2.5 * t), 2.0 * np.sin(17.0 * t)
+
+    default, other = (
+        dem.simulate_assembly(
+            scene, motion, t_end=1.0, contact=STEADY, judgement=judgement, criteria=dem.Criteria(stop="never")
+        )
+        for judgement in (None, dem.ContactJudgement(skin=skin))
+    )
+    assert default.settings["lists_made"] != other.settings["lists_made"]
+    for quantity in ("x", "z", "theta"):
+        assert np.array_equal(getattr(default, quantity), getattr(other, quantity)), quantity
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_two_workers_give_the_same_bits_as_one(name):
     scene, amplitude = SCENES[name]

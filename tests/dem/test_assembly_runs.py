@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import dem
-from dem.assembly_stability import _all_touches
+from dem.assembly_stability import all_touches
 
 G = 9.80665
 B, H, D, DENSITY = 0.15, 0.50, 0.25, 597.0
@@ -158,6 +158,73 @@ def test_a_run_that_waits_for_all_to_fall_names_each():
     assert {fall.body for fall in run.falls} == {0, 1}
     times = [fall.overturning_time for fall in run.falls]
     assert times == sorted(times) and all(fall.overturning_time <= fall.time for fall in run.falls)
+
+
+def test_what_a_body_does_after_its_fall_does_not_move_its_overturning():
+    """Pushed over, past its fall, and back to within its balance."""
+
+    def motion(t):
+        return np.where(t < 0.35, -4.5, np.where(t < 1.2, 9.0, 0.0)), np.zeros_like(t)
+
+    stopped, gone_on = (
+        dem.simulate_assembly(
+            dem.single(B, H, D, DENSITY), motion, t_end=1.0, contact=STEADY,
+            criteria=dem.Criteria(stop=stop, tilt=0.32),
+        )
+        for stop in ("fall", "never")
+    )  # fmt: skip
+    later = gone_on.time > gone_on.falls[0].time
+    assert np.abs(gone_on.theta[later, 0]).min() < math.atan(B / H)  # it did come back
+    assert gone_on.falls == stopped.falls
+    assert gone_on.overturning_time < gone_on.falls[0].time
+
+
+@pytest.mark.parametrize(
+    "scene", [column(3), column(2, wall_gap=0.0), dem.running_bond(3, 2), dem.arch(7, 0.2), dem.drum_column(3)]
+)
+def test_interfaces_are_those_that_touch_as_laid_whether_or_not_bodies_settle(scene):
+    settled, laid = (
+        {(s.first, s.second) for s in dem.simulate_assembly(
+            scene, t_end=1e-3, contact=STEADY, settle=settle
+        ).separations}
+        for settle in (True, False)
+    )  # fmt: skip
+    # Settling may open a joint, and presses no two bodies together that did not touch before.
+    assert settled <= laid
+    assert len(laid) >= len(scene.bodies)
+
+
+def test_an_interface_of_bodies_that_were_not_settled_opens_when_one_flies_off():
+    lower, upper = column(2).bodies
+    thrown = dem.Assembly((lower, upper.moving(vz=0.5)))
+    run = dem.simulate_assembly(thrown, t_end=0.05, contact=STEADY, settle=False, watch_every=1)
+    times = {(s.first, s.second): s.time for s in run.separations}
+    assert math.isnan(times["lower block", "floor"])
+    # The gap of 1 mm at 0.5 m/s; gravity takes 2 % of it.
+    assert times["lower block", "upper block"] == pytest.approx(2e-3, rel=0.05)
+
+
+PEBBLE = dem.block(0.02, 0.02, 0.1, 1000.0)
+
+
+@pytest.mark.parametrize(
+    ("body", "walls", "ending"),
+    [
+        (PEBBLE, (dem.wall([[-1.0, -31.0], [1.0, -31.0], [1.0, -30.5], [-1.0, -30.5]]),), dem.Ending.REACHED_END),
+        (PEBBLE, (), dem.Ending.LEFT),
+        (dem.block(0.02, 0.02, 0.1, 1000.0, z=-5.0), (), dem.Ending.LEFT),
+    ],
+)
+def test_a_long_fall_is_no_blow_up(body, walls, ending):
+    scene = dem.Assembly((body,), walls, floor=False, standing=False)
+    run = dem.simulate_assembly(
+        scene, t_end=2.6, dt=1e-5, contact=dem.Contact(0.7, damping_ratio=0.2), criteria=dem.Criteria(stop="never")
+    )
+    assert run.ending is ending
+    falling = run.time < 1.4
+    assert run.z[falling, 0] == pytest.approx(body.z - 0.5 * G * run.time[falling] ** 2, abs=1e-6)
+    if walls:
+        assert run.z[-1, 0] > -30.5
 
 
 def test_an_edge_is_felt_from_its_reach_on():
@@ -366,6 +433,14 @@ LOW = np.array(SQUARE) - np.array([0.0, 0.1])
         (lambda: dem.Assembly(dem.bodies_of([SQUARE], 1, 1), (dem.wall(OFFSET),)), "^body 0 and wall 0 overlap"),
         (lambda: dem.Assembly(dem.bodies_of([LOW], 1, 1)), "^body 0 is 0.1 m in the floor"),
         (lambda: dem.Assembly((dem.block(1, 1, 1, 1).moving(vx=math.nan),)), "^body 0: vx=nan"),
+        (lambda: dem.Assembly((dem.block(1, 1, 1, 1).moving(vx="a"),)), "^body 0: vx=a: want a finite number"),
+        (lambda: dem.Assembly(dem.block(1, 1, 1, 1)), r"^bodies=<Body.*>: want a tuple of bodies"),
+        (lambda: dem.Assembly((dem.block(1, 1, 1, 1), "x")), r"^bodies\[1\]='x': want a Body, as dem.body makes it"),
+        (lambda: dem.Assembly((dem.block(1, 1, 1, 1),), ("x",)), r"^walls\[0\]='x': want a Wall, as dem.wall makes it"),
+        (lambda: dem.bodies_of([SQUARE, OFFSET], 1, 1, names=["a"]), r"^names=\['a'\]: want a list of 2 names"),
+        (lambda: dem.bodies_of([SQUARE], 1, 1, names=["a", "b"]), r"^names=\['a', 'b'\]: want a list of 1 names"),
+        (lambda: dem.bodies_of([SQUARE], 1, 1, names="a"), "^names='a': want a list"),
+        (lambda: dem.assembly_critical_step(dem.single_block(1, 1, 1, 1), STEADY), "^assembly=.*: want an Assembly"),
         (lambda: dem.Contact(-0.1, damping=0.0), "^mu=-0.1"),
         (lambda: dem.Contact(0.5), "want exactly one"),
         (lambda: dem.Contact(0.5, damping=-1.0), "^damping=-1.0"),
@@ -405,6 +480,24 @@ def spoilt(t):
         ({"contact": {("block", "block"): STEADY}}, "say nothing of 'block' on 'table'"),
         ({"pitch_about": (math.nan, 0.0)}, "^pitch_about x=nan"),
         ({"motion": spoilt}, r"a_x=nan m/s\^2 at t="),
+        (
+            {"contact": {("block", "block"): STEADY, ("block", "table"): 5}},
+            r"^contact of \('block', 'table'\)=5: want a C",
+        ),
+        ({"contact": {"block": STEADY}}, "^contact of 'block': want the names of two materials"),
+        ({"contact": 5}, "^contact=5: want a Contact, or a mapping"),
+        ({"motion": 5}, "^motion=5: want a function of the times"),
+        ({"criteria": "fall"}, "^criteria='fall': want a Criteria, or None"),
+        ({"judgement": 5}, "^judgement=5: want a ContactJudgement, or None"),
+        ({"settle": "no"}, "^settle='no': want True, False or None"),
+        (
+            {"judgement": dem.ContactJudgement(skin=0.0751)},
+            r"^skin=0\.0751 m: want at most 0\.075 m, half of the shortest",
+        ),
+        (
+            {"judgement": dem.ContactJudgement(skin=0.075, update_after=0.03)},
+            r"^update_after=0\.03 m: want at most 0\.0247",
+        ),
         ({"judgement": dem.ContactJudgement(skin=1e-5)}, "^skin=1e-05 m: want at least"),
         ({"judgement": dem.ContactJudgement(update_after=0.1)}, "^update_after=0.1 m: want at most"),
     ],
@@ -426,4 +519,4 @@ def test_corners_touch_the_floor_within_a_millionth_of_the_largest_body(share, c
     low = dem.single(0.04, 0.06, 0.02, DENSITY)
     gap = share * 1e-6 * 0.5 * math.hypot(0.04, 0.06)
     raised = replace(low, bodies=tuple(replace(body, z=body.z + gap) for body in low.bodies))
-    assert len(_all_touches(raised).first) == corners
+    assert len(all_touches(raised).first) == corners

@@ -55,6 +55,7 @@ def spoilt(t):
 @pytest.mark.parametrize(
     ("motion", "message"),
     [
+        (5, "^motion=5: want a function of the times"),
         (lambda t: None, "motion gave NoneType: want a pair"),
         (lambda t: np.zeros_like(t), "motion gave ndarray: want a pair"),
         (lambda t: (0.0, 0.0), r"a_x of shape \(\): want \(1001,\)"),

@@ -68,6 +68,8 @@ def test_bad_drops_are_refused_by_name(drop):
         Drop(drop.scene, 0.0)
     with pytest.raises(ValueError, match="want a whole part of the sampling interval"):
         drop.history(3e-6, "incremental", 1e-3, 10)
+    with pytest.raises(ValueError, match=r"^samples=1: want a whole number, at least 2"):
+        drop.history(T / 1000, "located", T, 1)
     with pytest.raises(ValueError, match="onset='late'"):
         drop.history(T / 1000, "late", T, 10)
     with pytest.raises(ValueError, match="want a step below"):
@@ -139,3 +141,17 @@ def test_a_sample_upright_is_one_passage_or_none(theta, at):
     found = swings(np.arange(5.0), np.array(theta))
     assert found.passages == pytest.approx(at) and len(found.peaks) == len(at)
     assert len(passages(np.array(theta))) == len(at)
+
+
+@pytest.mark.parametrize(
+    ("time", "theta", "message"),
+    [
+        ([0.0, 1.0, 2.0], [0.1, math.nan, -0.1], r"^theta\[1\]=nan rad: want finite numbers"),
+        ([0.0, math.inf, 2.0], [0.1, 0.0, -0.1], r"^time\[1\]=inf s: want finite numbers"),
+        ([0.0, 1.0], [0.1, 0.0, -0.1], r"^time, theta of shapes \(2,\), \(3,\): want one rotation per time"),
+        ("x", [0.1], "^time='x': want numbers"),
+    ],
+)
+def test_swings_of_what_is_no_sampled_rotation_are_refused(time, theta, message):
+    with pytest.raises(ValueError, match=message):
+        dem.swings(time, theta)
