@@ -107,12 +107,11 @@ ROUNDING = 1e-9
 """Share of a step by which a time may miss a sample and still count as it, and of the largest sample that is rest."""
 
 
-def _own_step(motion: BaseMotion) -> float | None:
-    """Time between the motion's own samples [s]; None where it has none."""
+def _unaltered(motion: BaseMotion) -> BaseMotion:
+    """The motion below all that has altered it."""
     while isinstance(motion, AlteredMotion):
         motion = motion.below
-    own = getattr(motion, "time_step", None)
-    return None if own is None else float(own)
+    return motion
 
 
 class Samples(NamedTuple):
@@ -132,9 +131,10 @@ def samples_of(motion: BaseMotion, span: tuple[float, float]) -> Samples:
     """
     breakpoints = motion.breakpoints or span
     first, last = breakpoints[0], breakpoints[-1]
-    step = _own_step(motion)
+    source = _unaltered(motion)
+    step = getattr(source, "time_step", None)
     if step is None:
-        step = min(motion.max_step / 5.0, (max(last, span[1]) - min(first, span[0])) / 2000.0)
+        step = min(source.max_step / 5.0, (max(last, span[1]) - min(first, span[0])) / 2000.0)
         step = (last - first) / np.ceil((last - first) / step - ROUNDING) if last - first > step else step
     before, own, after = (
         max(0, int(np.ceil(length / step - ROUNDING))) for length in (first - span[0], last - first, span[1] - last)

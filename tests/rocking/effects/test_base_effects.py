@@ -367,6 +367,9 @@ def test_tables_do_not_step_over_what_they_hold(shaken: Any) -> None:
     pitched = altered(motion, "table_pitch.per_acceleration=1e-3")
     assert pitched.max_step <= motion.max_step / 4.0
     assert altered(SampledMotion(0.005, np.ones(100)), "table_pitch.per_displacement=1e-3").max_step == 0.005
+    # One on top of the other they follow the motion that all of them are of.
+    both = altered(motion, "table_pitch.per_acceleration=1e-3", "vertical_motion.second_harmonic_ratio=0.1")
+    assert both.max_step == pitched.max_step
     assert "pitch" in repr(pitched)
     assert isinstance(pitched, AlteredMotion)
 
