@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, ClassVar
 
 import numpy as np
@@ -48,23 +49,28 @@ def answer(
         damping_ratio: over the critical one [1].
         own: after so many samples, with which it ends at once, it is at rest; all of them if not given.
     """
-    w = 2.0 * math.pi * frequency
-    relative = ([-1.0, 0.0, 0.0], [1.0, 2.0 * damping_ratio * w, w * w])
+    from scipy.signal import lfilter
+
+    lines, steps, c = _filters(step, frequency, damping_ratio)
     own = a.size if own is None else own
-    after_jump = _filtered(relative, step, "zoh", np.ones(a.size))
+    after_jump = lfilter(steps, c, np.ones(a.size))
     # By itself the filter takes what it is given to come up from zero in the step before the first sample.
     goes_on = np.concatenate([a[:own], np.full(a.size - own, a[own - 1])]) - a[0]
-    out = _filtered(relative, step, "foh", goes_on) + a[0] * after_jump
+    out = lfilter(lines, c, goes_on) + a[0] * after_jump
     out[own:] -= a[own - 1] * after_jump[1 : a.size - own + 1]
-    return out
+    return np.asarray(out)
 
 
-def _filtered(relative: Any, step: float, hold: str, a: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What the transfer function makes of a: steps ("zoh") or straight lines ("foh") between samples."""
-    from scipy.signal import cont2discrete, lfilter
+@lru_cache(maxsize=256)  # a fit asks for one plate under many records
+def _filters(step: float, frequency: float, damping_ratio: float) -> tuple[NDArray[np.float64], ...]:
+    """Numerators for straight lines and for steps between samples, and their denominator."""
+    from scipy.signal import cont2discrete
 
-    b, c, _ = cont2discrete(relative, step, method=hold)
-    return np.asarray(lfilter(np.ravel(b), c, a))
+    w = 2.0 * math.pi * frequency
+    relative = ([-1.0, 0.0, 0.0], [1.0, 2.0 * damping_ratio * w, w * w])
+    lines, c, _ = cont2discrete(relative, step, method="foh")
+    steps, _, _ = cont2discrete(relative, step, method="zoh")
+    return np.ravel(lines), np.ravel(steps), np.asarray(c)
 
 
 @dataclass(frozen=True)
