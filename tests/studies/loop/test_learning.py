@@ -431,15 +431,16 @@ def test_a_window_begins_with_what_goes_on_inside(name: str, kind: str, sensor: 
 def test_what_has_states_of_its_own_is_learned_once() -> None:
     """Beside a mode no other form with states is tried; what the memory of a restitution lacks may still be added."""
     _, plain = decays(IDEAL)
-    remembered, recent, by_each, by_energy = memories(DECLARED, plain.swing.windows)
+    remembered, recent, by_each, by_energy, pushed, shaken = memories(DECLARED, plain.swing.windows)
     mode, slipping, creeping = inner(DECLARED, True)
-    worn = [by_each, by_energy]
-    pool = [mode, slipping, creeping, remembered, recent, *worn, *readings(DECLARED, plain.swing.windows)]
+    worn, heeding = [by_each, by_energy], [pushed, shaken]
+    others = readings(DECLARED, plain.swing.windows)
+    pool = [mode, slipping, creeping, remembered, recent, *worn, *heeding, *others]
     assert open_to(plain, pool) == pool
-    assert open_to(plain.with_(mode, plain.swing), pool) == pool[7:]
-    assert open_to(plain.with_(slipping, plain.swing), pool) == pool[7:]  # what creeps has the same stiffness
+    assert open_to(plain.with_(mode, plain.swing), pool) == [*others]
+    assert open_to(plain.with_(slipping, plain.swing), pool) == [*others]  # what creeps has the same stiffness
     assert open_to(plain.with_(remembered, plain.swing), pool) == pool[4:]
-    assert open_to(plain.with_(by_each, plain.swing), pool) == [remembered, recent, *pool[7:]]
+    assert open_to(plain.with_(by_each, plain.swing), pool) == [remembered, recent, *heeding, *others]
 
 
 def test_a_release_alone_says_how_far_something_was_strained() -> None:
