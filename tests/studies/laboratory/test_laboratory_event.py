@@ -188,7 +188,8 @@ def test_a_floor_s_tilt_and_its_pitch_add_up() -> None:
 def test_restitution_differs_by_its_share_on_either_side(side: float) -> None:
     """0.92 by 1.02 where a swing to +x ends, by 0.98 on the other side."""
     P = replace(WORLD, side=0.02).vector()
-    assert event.restitution(side, 0.5, 1.0, 3, 0.0, 0.0, P) == pytest.approx(RESTITUTION * (1.0 + 0.02 * side), rel=1e-14)
+    kept = event.restitution(side, 0.5, 1.0, 3, 0.0, 0.0, P)
+    assert kept == pytest.approx(RESTITUTION * (1.0 + 0.02 * side), rel=1e-14)
 
 
 def test_left_is_the_mirror_image_of_right() -> None:
