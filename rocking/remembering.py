@@ -7,12 +7,12 @@
     e += first exp(-impacts / first_impacts) + recent exp(-pause / recent_time) + worn (1 - exp(-use / worn_use))
          + pushed sign(omega) a_x + shaken |a_x|
 
-omega as it falls on the edge, a_x of the base at that time.
+omega as it falls on the edge, a_x of the base at that time, in the axes of the floor.
 
 Source   own, a plain description of surfaces that bed in within a test, that take time to recover after an impact, or
          that wear for good: by each impact (exponent 0), or by the energy that it takes (exponent 2), as wear goes with
          work in Archard (1953), J. Appl. Phys. 24, 981; or on how the base is accelerated just then.
-Status   Method 1 with effects where both are zero, and by hand from impact to impact (tests).
+Status   Method 1 with effects where all of these are zero, and by hand from impact to impact (tests).
 """
 
 from __future__ import annotations

@@ -81,7 +81,8 @@ def parse(texts: Iterable[str]) -> tuple[Effect, ...]:
     """Effects from texts such as "rounded_edges.radius=0.003"; parameters of one effect may come in several.
 
     Raises:
-        ValueError: a text is not of that shape, or the effect or the parameter is unknown or out of its range.
+        ValueError: a text is not of that shape, or the effect or the parameter is unknown, given twice or out of its
+            range.
     """
     given: dict[str, dict[str, float]] = {}
     for text in texts:
@@ -92,6 +93,8 @@ def parse(texts: Iterable[str]) -> tuple[Effect, ...]:
         known = load(name).parameter_names()
         if parameter not in known:
             raise ValueError(f"effect {text!r}: {name} has no {parameter!r}, want one of {', '.join(known)}")
+        if parameter in given.get(name, {}):
+            raise ValueError(f"effect {text!r}: {name}.{parameter} is given twice, want it once")
         try:
             given.setdefault(name, {})[parameter] = float(right)
         except ValueError:

@@ -3,7 +3,8 @@
 Adds        e += first exp(-n / first_impacts) + recent exp(-t / recent_time) + worn (1 - exp(-w / worn_use))
             + pushed sign(omega) a_x + shaken |a_x|, n impacts since the start of the test that were faster than
             least_speed, the last of them a time t ago; w the sum of |omega|^worn_exponent over these and those of all
-            tests before, which are `used`; a_x of the base as the block falls on its edge with omega
+            tests before, which are `used`; a_x of the base, in the axes of the floor, as the block falls on its edge
+            with omega
 Parameters  first [1], recent [1], worn [1], pushed [s^2/m] and shaken [s^2/m], 0 where absent; first_impacts [1];
             recent_time [s]; least_speed [rad/s]; worn_use and used [(rad/s)^worn_exponent], worn_exponent [1]: 0 where
             each impact wears alike, 2 where it wears as it takes energy

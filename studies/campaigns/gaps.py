@@ -33,6 +33,10 @@ class Gap:
         """Number of missing samples."""
         return self.stop - self.start
 
+    def too_long(self, step: float, longest: float) -> bool:
+        """Whether it is not filled: more than `ALWAYS` samples, longer than `longest` [s]; step: of the record [s]."""
+        return self.size > ALWAYS and (self.size + 1) * step > longest * (1.0 + 1e-9)
+
 
 def runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """(start, stop) of each row of true values."""
@@ -92,7 +96,7 @@ def whole_base(test: Test, name: str, longest: float = LONGEST_FILL) -> Array:
     found = gaps(values)
     for gap in found:
         at_end = gap.start == 0 or gap.stop == values.size
-        if at_end or (gap.size > ALWAYS and (gap.size + 1) * test.time_step > longest * (1.0 + 1e-9)):
+        if at_end or gap.too_long(test.time_step, longest):
             place = "at an end of the record" if at_end else f"in a row, longer than {longest:g} s"
             raise CampaignError(
                 f"test {test.id!r}: {name} has {gap.size} samples missing from {test.time[gap.start]:.6g} s on, "

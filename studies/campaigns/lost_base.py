@@ -33,8 +33,7 @@ def as_far_as_known(test: Test) -> Test:
             if gap.start == 0 and gap.size <= ALWAYS and gap.size < values.size:
                 data[channel.name] = np.where(np.arange(values.size) < gap.stop, values[gap.stop], values)
                 continue
-            too_long = gap.size > ALWAYS and (gap.size + 1) * test.time_step > LONGEST_FILL * (1.0 + 1e-9)
-            if too_long or gap.start == 0 or gap.stop == values.size:
+            if gap.start == 0 or gap.stop == values.size or gap.too_long(test.time_step, LONGEST_FILL):
                 count = min(count, gap.start)
                 if count < FEWEST:
                     raise CampaignError(

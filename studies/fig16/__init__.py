@@ -80,12 +80,8 @@ def _effects(texts: Sequence[str]) -> tuple[Effect, ...]:
     """The effects asked for, each of which has a say here.
 
     Raises:
-        BadInputError: one cannot be read, is given twice, or acts on a sensor alone, of which no run here has any.
+        BadInputError: one cannot be read, or acts on a sensor alone, of which no run here has any.
     """
-    given = [text.partition("=")[0].strip() for text in texts]
-    twice = next((name for name in given if given.count(name) > 1), None)
-    if twice is not None:
-        raise BadInputError(f"--effect {twice}: given twice, want it once")
     try:
         effects = parse(texts)
     except ValueError as error:

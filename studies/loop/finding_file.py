@@ -11,6 +11,7 @@ from rocking.effects import load
 from studies.loop.closing import Finding
 from studies.loop.models.model import MOUNTING
 from studies.running.files import save_text
+from studies.running.json_values import json_values
 
 REFUSED = "whole records speak against it"
 """Why a trial that swings would have taken is no rival."""
@@ -43,7 +44,7 @@ def as_json(finding: Finding, next_test: str) -> dict[str, Any]:
         "notes": list(finding.notes),
         "next_test": next_test,
     }
-    plain: dict[str, Any] = _plain(content)
+    plain: dict[str, Any] = json_values(content)
     return plain
 
 
@@ -80,16 +81,6 @@ def _candidates(finding: Finding) -> list[dict[str, Any]]:
         ]  # fmt: skip
     by_evidence = sorted(rows, key=lambda row: -(row["evidence"] if row["evidence"] is not None else -math.inf))
     return sorted(by_evidence, key=lambda row: "refused" in row)
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _plain(v) for key, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(v) for v in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def write_finding(content: dict[str, Any], path: Path) -> None:

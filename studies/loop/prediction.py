@@ -88,10 +88,10 @@ def write_predictions(
                 columns[channel.name] = accelerations(model, simulator, k, answer, channel)
         times = recorded.tests[k].time
         _write_csv(folder / f"{test.id}.csv", times, columns, answer)
-        system = model.system
-        when = answer.overturning_time if answer.fell else answer.passes_balance(system, test.time)
-        overturned = answer.falls_on(system)
-        summary[test.id] = {"overturned": overturned, "time": when if overturned and math.isfinite(when) else None}
+        overturned, when = answer.falls_on(model.system), answer.overturning_time
+        if overturned and not answer.fell:
+            when = answer.passes_balance(model.system, test.time)
+        summary[test.id] = {"overturned": overturned, "time": None if math.isnan(when) else when}
         if answer.failed:
             last = test.time[np.flatnonzero(np.isfinite(answer.y[:, 0]))].max(initial=test.time[0])
             stopped = f"the run of the model stopped after {last:g} s: what follows is not predicted"

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, is_dataclass
@@ -33,6 +32,7 @@ from studies.running.files import (
     save_figure,
     writable_folder,
 )
+from studies.running.json_values import json_values
 from studies.running.labelled import PAPER
 from studies.running.lock import alone
 from studies.running.parts import Parts, hashed, studies_hash
@@ -82,18 +82,7 @@ def parser_of(study: Study) -> argparse.ArgumentParser:
 def settings_of(plan: Any) -> str:
     """The plan as JSON, for the attributes."""
     said = asdict(plan) if is_dataclass(plan) and not isinstance(plan, type) else plan
-    return json.dumps(_finite(said), default=repr, allow_nan=False)
-
-
-def _finite(said: Any) -> Any:
-    """The same as JSON can say it: NaN, which stands for what is not given, as null, and infinities as words."""
-    if isinstance(said, Mapping):
-        return {key: _finite(value) for key, value in said.items()}
-    if isinstance(said, list | tuple):
-        return [_finite(value) for value in said]
-    if isinstance(said, float) and not math.isfinite(said):
-        return None if math.isnan(said) else repr(said)
-    return said
+    return json.dumps(json_values(said, repr), default=repr, allow_nan=False)
 
 
 def inputs_of(study: Study, plan: Any) -> str:

@@ -270,7 +270,7 @@ def test_effects_that_have_no_say_here_are_refused(name):
     with pytest.raises(fig16.BadInputError, match="acts on a rotation sensor alone; want one on block or base"):
         fig16.plan_of(parser.parse_args(["--effect", name]))
     twice = ["--effect", "rounded_edges.radius=0.003", "--effect", "rounded_edges.radius=0.004"]
-    with pytest.raises(fig16.BadInputError, match=r"^--effect rounded_edges\.radius: given twice, want it once"):
+    with pytest.raises(fig16.BadInputError, match=r"^--effect: .*rounded_edges\.radius is given twice, want it once"):
         fig16.plan_of(parser.parse_args(twice))
 
 

@@ -14,6 +14,7 @@ from studies.loop.outcomes.candidates import UNSEEN
 from studies.loop.outcomes.data import OutcomeData
 from studies.loop.outcomes.likelihood import Array, Bools, Noise
 from studies.loop.outcomes.search import Round, Search, Tried
+from studies.running.json_values import json_values
 
 METRIC = "share of outcomes predicted wrong"
 
@@ -95,7 +96,7 @@ def as_json(finding: OutcomeFinding) -> dict[str, Any]:
             "units": "1",
             "noise_floor": finding.floor["holdout"],
             **{stage: finding.error(stage) for stage in STAGES},
-            "holdout_standard_error": {stage: _plain(finding.standard_error(stage)) for stage in STAGES},
+            "holdout_standard_error": {stage: json_values(finding.standard_error(stage)) for stage in STAGES},
         },
         "candidates": candidate_rows(finding),
         "restitution": after.model.restitution,
@@ -106,10 +107,6 @@ def as_json(finding: OutcomeFinding) -> dict[str, Any]:
         "notes": list(finding.notes),
         "next_test": finding.next_test,
     }
-
-
-def _plain(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def deciding(finding: OutcomeFinding) -> Round:

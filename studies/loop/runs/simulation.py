@@ -166,7 +166,7 @@ class Answer:
 
     def passes_balance(self, system: System, times: Array) -> float:
         """When it last passes its balance outward [s], between the samples at these times; NaN if it never does."""
-        beyond = np.array([float(system.balance(np, y, system.parameters)) for y in self.y])
+        beyond = np.asarray(system.balance(np, self.y.T, system.parameters))
         passed = np.flatnonzero((beyond[:-1] <= 0.0) & (beyond[1:] > 0.0))
         if not passed.size:
             return math.nan

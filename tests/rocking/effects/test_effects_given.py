@@ -63,6 +63,12 @@ def test_a_text_that_is_no_effect_is_answered_in_one_sentence(text: str, message
         parse([text])
 
 
+def test_a_parameter_that_is_given_twice_is_refused() -> None:
+    twice = ["tether.slack=0.05", "tether.stiffness=200", "tether.slack=0.06"]
+    with pytest.raises(ValueError, match=r"effect 'tether.slack=0.06': tether.slack is given twice, want it once"):
+        parse(twice)
+
+
 def bounded() -> list[Any]:
     """Each end of each range, a little beyond."""
     found = []

@@ -12,7 +12,7 @@ from studies.loop import closing
 from studies.loop.swings import learning
 from studies.loop.swings.learning import unnamed
 from studies.loop.swings.tracing import Round
-from studies.loop.whole import floors_that_give, remaining
+from studies.loop.whole import remaining
 from studies.loop.whole.rivals import Rival, other_forms, twins
 
 from .stubs import FLOOR, TILT, rival, trial, whole
@@ -309,23 +309,6 @@ def test_whole_records_choose_among_forms_that_swings_hardly_tell_apart(monkeypa
     setup = SimpleNamespace(by_rotation=by_rotation, simulator=None)
     found, whole = closing._shaped(setup, None, form("smooth"), lambda text: None)
     assert found.names[-1] == ends and whole.rms == forms[ends][1]
-
-
-@pytest.mark.parametrize(("costly", "left"), [(False, 2319.0), (True, 6579.0)])
-def test_swings_do_not_stay_in_a_minimum_that_whole_records_have_left(monkeypatch, costly, left):
-    """As measured on two shaken tests: 6579 from where swings had ended, 2319 from where whole records did."""
-    stuck = explained_trial(6579.0, "concave_base")
-    stuck.costly, stuck.swing.windows = costly, ("some",)
-    ends = SimpleNamespace(model="where whole records are")
-
-    def fitted(simulator, model, parameters, windows, iterations):
-        assert model == ends.model
-        return SimpleNamespace(chi2=2400.0 if not parameters else 2319.0, windows=windows)
-
-    monkeypatch.setattr(floors_that_give, "fit", fitted)
-    monkeypatch.setattr(floors_that_give, "replace", lambda trial, swing: SimpleNamespace(swing=swing))
-    stuck.every = ("breadth",)
-    assert closing._led(SimpleNamespace(simulator=None), stuck, ends).swing.chi2 == left
 
 
 def test_alike_is_what_swings_hardly_tell_from_what_was_learned(monkeypatch):

@@ -13,6 +13,8 @@ from rocking import Block
 from studies.campaigns import Campaign, CampaignError, Channel, Conditions, DeclaredBlock, Test
 from studies.loop import prediction
 from studies.loop.models.model import LoopModel
+from studies.loop.outcomes.runs import falls_of
+from studies.loop.runs.simulation import Simulator
 
 BLOCK = Block(0.2, 0.8, 0.4)
 DECLARED = DeclaredBlock(0.2, 0.8, 0.4, BLOCK.mass)
@@ -45,6 +47,7 @@ def test_a_record_that_stops_in_a_fall_has_overturned_when_it_does_in_a_longer_o
         cut = prediction.write_predictions(IDEAL, forced(stop, base), tmp_path)["quake-01"]
         assert cut["overturned"] is falls
         assert cut["time"] == (pytest.approx(whole["time"], abs=1e-4) if falls else None)
+        assert falls_of(Simulator(forced(stop, base).tests), [IDEAL]).tolist() == [[falls]]
 
 
 def test_clocks_that_count_from_long_ago_keep_their_steps(tmp_path) -> None:

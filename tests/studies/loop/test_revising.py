@@ -98,6 +98,20 @@ def test_of_an_effect_that_two_parts_share_the_other_one_stays(names: tuple[str,
         assert (found.drift == 0.0) == (wanted.drift == 0.0)
 
 
+def test_swings_do_not_stay_in_a_minimum_that_whole_records_have_left() -> None:
+    """They had ended at six times the planted drag and with another restitution."""
+    setup, plain = planted(("quadratic", 0.05))
+    _, drag = on_top(setup, plain, "quadratic_drag")
+    whole = whole_fit(setup, drag)
+    assert closing._led(setup, drag, whole) is drag
+    away = drag.swing.model.changed({"quadratic_drag.coefficient": 0.3, "restitution": 0.9})
+    stuck = replace(drag, swing=fit(setup.simulator, away, [], drag.swing.windows, iterations=3))
+    assert stuck.swing.chi2 > 2.0 * drag.swing.chi2
+    found = closing._led(setup, stuck, whole)
+    assert found.swing.chi2 == pytest.approx(drag.swing.chi2, abs=1.0)
+    assert found.swing.model.get("quadratic_drag.coefficient") == pytest.approx(0.05, rel=0.05)
+
+
 def test_an_effect_that_stood_for_another_one_is_left_out() -> None:
     """Drag was planted alone; damping, accepted first, stands for some of it and is not needed beside it."""
     setup, plain = planted(("quadratic", 0.05))
