@@ -39,7 +39,7 @@ def test_each_impact_has_the_restitution_of_the_formula(solver: str) -> None:
         last = t
 
 
-@pytest.mark.parametrize("solver", ["numba", "scipy", "diffrax"])
+@pytest.mark.parametrize("solver", ["numba", "scipy", pytest.param("diffrax", marks=pytest.mark.slow)])
 def test_an_impact_heeds_how_the_base_is_accelerated(solver: str) -> None:
     """A base that goes to and fro: by its straight lines at the times of the impacts."""
     effect = load("learned_memory")(pushed=-0.02, shaken=0.01)

@@ -72,8 +72,11 @@ def quiet(text: str) -> None:
 @pytest.mark.parametrize(
     "names",
     [
-        ("learned[friction]", "learned[damping]"),
-        ("learned[curve alike on both sides, near upright]", "learned[curve by side, near upright]"),
+        pytest.param(("learned[friction]", "learned[damping]"), marks=pytest.mark.slow),
+        pytest.param(
+            ("learned[curve alike on both sides, near upright]", "learned[curve by side, near upright]"),
+            marks=pytest.mark.slow,
+        ),
         ("restitution_drift", "learned[drag]"),
     ],
 )
