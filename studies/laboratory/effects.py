@@ -378,6 +378,13 @@ def sprung_table(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     return replace(lab, table=replace(lab.table, **plate)), {}
 
 
+def gusts(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
+    """A fan that blows at the same times in each test: a force that depends on nothing but the time."""
+    size = d.sign * min(0.2, k * d.between(0.005, 0.05)) * lab.world.alpha * lab.world.gravity
+    blows = tuple((start, size, 0.15 + 0.15 * d.choice) for start in (0.8 + d.other, 3.0 + d.other, 6.5))
+    return replace(lab, table=replace(lab.table, gusts=blows)), {}
+
+
 NAMED: dict[str, Effect] = {
     f.__name__: f
     for f in (
@@ -391,7 +398,7 @@ UNNAMED: dict[str, Effect] = {
     for f in (
         restitution_by_side, wear, cubic_torque, hinge_friction, one_sided_friction, one_sided_damping, squeezed_air,
         leaking_restitution, bedding_in, grinding, heedful_impacts, one_sided_cable, ribbed_cable, magnet,
-        hysteretic_layer, slosh, curved_sensor, loose_linkage, sprung_table,
+        hysteretic_layer, slosh, curved_sensor, loose_linkage, sprung_table, gusts,
     )
 }  # fmt: skip
 

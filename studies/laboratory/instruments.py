@@ -81,7 +81,7 @@ def reading(lab: Lab, plan: Plan, response: Response, channel: Channel, bench: B
         return total @ axis
     if plan.motion is None:
         return None
-    below = replace(lab.table, plate_frequency=math.inf)
+    below = replace(lab.table, plate_frequency=math.inf, gusts=())
     felt = felt_by_motion(plan.motion, 0.5 / plan.rate, 2 * plan.samples - 1, below)
     row = 0 if channel.kind == "base_acceleration_x" else 1
     t = np.arange(plan.samples) / plan.rate - lab.sensors.base_lag

@@ -101,7 +101,8 @@ def second_harmonic(ax: Array, phase: float) -> Array:
 class Table:
     """What the table does besides moving along x: pitch and heave, each a multiple of the motion along x.
 
-    And a plate on springs between the table and the block, which gives along x.
+    And a plate on springs between the table and the block, which gives along x; and what the air does to the block,
+    which for a force on the whole of it is an acceleration of the table that nobody records.
     """
 
     pitch_acceleration: float = 0.0  # rad/(m/s^2)
@@ -111,9 +112,19 @@ class Table:
     vertical_phase: float = 0.0  # of the second harmonic, rad
     plate_frequency: float = inf  # Hz
     plate_damping: float = 0.05  # over critical
+    gusts: tuple[tuple[float, float, float], ...] = ()  # (middle [s], acceleration [m/s^2], width [s]) of each
 
     def on_top(self, ax: Array, h: float) -> Array:
-        """Acceleration of the plate [m/s^2] for that of the table, from rest; nodes at `h` [s]."""
+        """Acceleration [m/s^2] that the block feels for that of the table, from rest; nodes at `h` [s]."""
+        return self._on_plate(ax, h) - self._blown(h * np.arange(ax.size))
+
+    def _blown(self, t: Array) -> Array:
+        total = np.zeros_like(t)
+        for middle, size, width in self.gusts:
+            total += size * np.exp(-0.5 * ((t - middle) / width) ** 2)
+        return total
+
+    def _on_plate(self, ax: Array, h: float) -> Array:
         if isinf(self.plate_frequency):
             return ax
         pad = 4 * ax.size  # until the plate has come to rest again
@@ -146,7 +157,7 @@ def felt_by_motion(motion: Motion | None, h: float, n: int, table: Table) -> Arr
     """Pieces for the true motion, `n` nodes at `h` [s]; a table at rest if there is no motion."""
     if motion is None:
         zero = np.zeros(n)
-        return pieces(h, zero, zero, (zero, zero, zero))
+        return pieces(h, table.on_top(zero, h), zero, (zero, zero, zero))
     t = h * np.arange(n)
     ax = motion.derivative(2, t)
     a, p = table.pitch_acceleration, table.pitch_displacement

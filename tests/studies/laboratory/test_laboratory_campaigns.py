@@ -219,6 +219,26 @@ def test_grinding_sums_the_squares_of_impact_speeds_from_test_to_test() -> None:
     assert used(LAB, plans) is LAB
 
 
+def test_a_gust_tips_a_block_at_rest_when_its_force_over_the_mass_passes_g_tan_alpha_and_no_base_sensor_shows_it() -> None:
+    """A bell of 2 g tan alpha passes the threshold sqrt(2 ln 2) of its widths before its middle."""
+    middle, width = 1.0, 0.2
+    for sign in (1.0, -1.0):
+        size = sign * 2.0 * LAB.world.gravity * math.tan(LAB.world.alpha)
+        lab = replace(LAB, table=replace(LAB.table, gusts=((middle, size, width),)))
+        moving = ramp(np.random.default_rng(1), 3.0, 1e-6)
+        for plan in (
+            Plan("free", "free", 500.0, 600, 0.0, 0.0, None, 0),
+            Plan("forced", "forced", 500.0, 600, motion=moving, order=1),
+        ):
+            rotation = respond(lab, plan).rotation
+            lifts = np.flatnonzero(rotation != 0.0)[0] / plan.rate
+            assert lifts == pytest.approx(middle - width * math.sqrt(2.0 * math.log(2.0)), abs=2.0 / plan.rate)
+            assert sign * rotation[450] > 0.0
+            base = Channel("base_x", "base_acceleration_x", 0.0)
+            read = reading(lab, plan, respond(lab, plan), base, Bench((base,), {}))
+            assert read is None if plan.motion is None else np.abs(read).max() <= 1e-6
+
+
 def test_impacts_that_heed_the_base_lose_by_its_acceleration_there() -> None:
     """The record of the base at the times of the impacts, along the way in which the block falls."""
     heedful = replace(LAB, world=replace(LAB.world, heed=0.01))
