@@ -4,7 +4,8 @@ Two springs at the corners, or a bed, by Gauss's quadrature over the part of the
 floor, and with stiff springs of little damping a block that bounces: nothing about impacts is put in, so what the law
 of restitution would be comes out of the contact.  Along the floor each corner below it is held by a spring that begins
 where it touched and a dashpot, as strong as Coulomb's friction lets them be.  Torques are those of event.py:
-accelerations of a block on a fixed corner, times its inertia there.  Small fixed steps; rotation positive clockwise.
+accelerations of a block on a fixed corner, times its inertia there.  Steps are small, and smaller where a contact
+begins or ends, sticks or slips; rotation positive clockwise.
 
 Source   of springs along the floor: Cundall (1971); Mindlin (1949), two thirds to one of that across it for like bodies
 """
@@ -19,6 +20,7 @@ from .parameters import INDEX, World, refuse
 
 MU, K, CD, NS, GIVE = (INDEX[k] for k in ("friction", "stiffness", "damping", "springs", "give"))
 STEP = 1e-5  # s
+FINEST = 1.0 / 256.0  # of a step across which a contact begins or ends, sticks or slips
 FOREIGN = (
     "radius", "adhesion", "slope", "side", "leak", "bedding", "grind", "heed", "hinge", "guide", "layer", "slosh_mass",
 )  # fmt: skip
@@ -114,7 +116,8 @@ def rate(x, c, y, P):
         if depth <= 0.0:
             continue
         most = held(left if i == 0 else right, P)
-        drag = min(most, max(-most, -k * y[6 + i] - d * u))
+        stretch = min(most / k, max(-most / k, y[6 + i]))  # `slip` cuts it, but at the end of a step
+        drag = min(most, max(-most, -k * stretch - d * u))
         fx += drag
         torque += drag * rz
         slips[i] = u
@@ -152,9 +155,49 @@ def slip(y, P):
 
 
 @njit
+def contacts(y, P):
+    """Which springs push, which corners are below the floor and which of these slip, a bit each."""
+    cs, sn = np.cos(y[2]), np.sin(y[2])
+    n = int(P[NS])
+    middle, half = below(y[1], sn, cs, P) if n > 2 else (0.0, P[B])
+    found = 0
+    for i in range(n):
+        xi = middle + half * (2.0 * i - 1.0 if n == 2 else PLACES[i])
+        rx, rz = (xi - P[OFF]) * cs - P[H] * sn, -(xi - P[OFF]) * sn - P[H] * cs
+        depth = -(y[1] + rz)
+        if depth > 0.0 and P[K] * depth > P[CD] * (y[4] - rx * y[5]):
+            found |= 1 << i
+    _, _, left, right = pushes(y, sn, cs, P)
+    k, _ = along_the_floor(P)
+    for i in range(2):
+        if corner(2.0 * i - 1.0, y, sn, cs, P)[2] > 0.0:
+            found |= 1 << (n + i)
+            if k * abs(y[6 + i]) >= held(left if i == 0 else right, P):
+                found |= 1 << (n + 2 + i)
+    return found
+
+
+@njit
+def across(x, d, c, y, before, P):
+    """A step, in place, cut up where a contact changes in it; the contacts after it."""
+    done, part, begin = 0.0, 1.0, y.copy()
+    while done < 1.0:
+        part = min(part, 1.0 - done)
+        begin[:] = y
+        advance(x + done * d, part * d, c, y, P)
+        after = contacts(y, P)
+        if after != before and part > FINEST:
+            y[:] = begin
+            part *= 0.5
+            continue
+        done, before, part = done + part, after, 2.0 * part
+    return before
+
+
+@njit
 def run(C, h, every, y, P, out, sub):
     """Fill out[(sample), (theta, theta', theta'', x'', z'')]; the sample at which it had fallen, -1 if it stood."""
-    d = h / sub
+    d, touching = h / sub, contacts(y, P)
     for k in range(C.shape[0] + 1):
         c, x0 = C[min(k, C.shape[0] - 1)], (0.0 if k < C.shape[0] else h)
         if k % every == 0:
@@ -165,7 +208,7 @@ def run(C, h, every, y, P, out, sub):
         if k == C.shape[0]:
             break
         for i in range(sub):
-            advance(i * d, d, c, y, P)
+            touching = across(i * d, d, c, y, touching, P)
     return -1
 
 

@@ -374,8 +374,8 @@ def loose_linkage(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
 def sprung_table(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     """The block stands on a plate that gives, and the sensor of the base is below it."""
     frequency = (12.0 + 10.0 * d.other) / math.sqrt(k * d.between(0.5, 2.0))
-    plate = {"plate_frequency": max(8.0, frequency), "plate_damping": 0.03 + 0.1 * d.choice}
-    return replace(lab, table=replace(lab.table, **plate)), {}
+    table = replace(lab.table, plate_frequency=max(8.0, frequency), plate_damping=0.03 + 0.1 * d.choice)
+    return replace(lab, table=table), {}
 
 
 def gusts(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:

@@ -194,6 +194,26 @@ def test_interfaces_are_those_that_touch_as_laid_whether_or_not_bodies_settle(sc
     assert len(laid) >= len(scene.bodies)
 
 
+@pytest.mark.parametrize("off", [0.05, -0.05])
+def test_what_bodies_turn_by_while_they_settle_opens_no_interface(off):
+    """A block that stands off the middle of the one below leans on its springs, and the lower one under it.
+
+    Springs of kn at the ends of a breadth w turn by 2 M/(kn w^2): M is W off on the whole base of the lower block, and
+    W off/2 on the breadth B - |off| on which the upper one stands, whose middle is at off/2.
+    """
+    soft = dem.Contact(0.8, damping_ratio=0.1, kn=1e6, ks=1e6)
+    lower, upper = dem.block(B, H, D, DENSITY), dem.block(B, H, D, DENSITY, x=off, z=H)
+    moment, width, turns = lower.mass * G * off, B - abs(off), 1e-4
+    run = dem.simulate_assembly(
+        dem.Assembly((lower, upper)), t_end=0.02, contact=soft, criteria=dem.Criteria(rotation=turns)
+    )
+    leans = np.array([2.0 * moment / (1e6 * B**2), moment / (1e6 * width**2)])
+    # The settled tilt, up to 1e-3 rad, moves the weights by some 5e-4 m, a hundredth of `off`.
+    assert run.theta[0] == pytest.approx(np.cumsum(leans), rel=0.02)
+    assert np.abs(leans).min() > 4.0 * turns
+    assert len(run.separations) == 2 and all(math.isnan(separation.time) for separation in run.separations)
+
+
 def test_an_interface_of_bodies_that_were_not_settled_opens_when_one_flies_off():
     lower, upper = column(2).bodies
     thrown = dem.Assembly((lower, upper.moving(vz=0.5)))

@@ -72,6 +72,20 @@ def test_an_upright_slide_that_halts_tips_beyond_wests_formula(
         assert y[0] - 0.5 * B * q.s == pytest.approx(0.3 - 0.5 * B, abs=1e-15)
 
 
+# With a friction of b/h a block tips and slides at one and the same push: what ended its rest decides.
+@SIDES
+@pytest.mark.parametrize("below", [1e-12, 1e-9])
+def test_a_block_whose_rest_ended_by_tipping_turns_and_by_slipping_slides(side: float, below: float) -> None:
+    system = Method2(BLOCK, friction=B / H, kinetic_friction=0.2, g=G)
+    base = Base(side * (1.0 - below) * B / H * G, 0.0)
+    y, q = after(system, Mode.REST, "tip", (0.0,) * 6, base)
+    assert (q.mode, q.s) == (Mode.ROTATION, -side)
+    # The state was that of the +x corner; the block has not moved.
+    assert y == pytest.approx((0.5 * B * (q.s - 1.0), 0.0, 0.0, 0.0, 0.0, 0.0), abs=1e-15)
+    _, q = after(system, Mode.REST, "slip", (0.0,) * 6, base)
+    assert (q.mode, q.slip) == (Mode.SLIDE, -side)
+
+
 def corner_forces(theta: float, omega: float, s: float, base: Base) -> tuple[float, float]:
     """(F, N) per mass at the fixed corner s: the centre turns about it, F = x'' + a_x, N = z'' + g + a_z.
 

@@ -134,6 +134,20 @@ def test_the_quiet_part_of_a_column_s_record_ends_before_west_s_level_for_its_wh
     assert end < found["true_time"] < found["time"][-1]
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_an_onset_record_begins_to_rock_when_the_floor_reaches_west_s_level(seed):
+    """West: a corner carries nothing more at |a_x| = (b/h) g; on its springs, at some 75 Hz, the block follows."""
+    settings = ColumnSettings(ramp=30.0, duration=5.0, damping=3e3)
+    found = pickups.onset_record(3, 3.0, settings, seed)
+    t = np.linspace(0.0, 0.8, 80_001)
+    level = np.abs(30.0 / 5.0 * t * np.sin(2.0 * math.pi * 3.0 * t))
+    first = np.flatnonzero(level > 0.3 * G)[0]
+    west, slope = t[first], np.gradient(level, t)[first]
+    assert found["true_time"] == pytest.approx(west, abs=2.0 * SAMPLE)
+    assert found["true_amplitude"] == pytest.approx(0.3 * G, abs=2.0 * SAMPLE * slope)
+    assert west < found["read_time"] < found["time"][-1] < 0.8
+
+
 def test_a_block_that_slides_has_not_lifted_off():
     """Coulomb: friction of 0.2 turns no block of b/h 0.3; with 0.7 it lifts off at West's (b/h) g."""
     settings = OnsetSettings(duration=20.0)

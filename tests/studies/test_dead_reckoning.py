@@ -14,6 +14,7 @@ from studies.running.study import parser_of
 from studies.specimens import specimen
 
 H = specimen(BLOCK).h
+G = 9.80665
 
 
 def test_readings_without_errors_give_back_the_motion_of_the_top() -> None:
@@ -35,6 +36,24 @@ def test_impulses_are_across_and_along_the_block() -> None:
     e = block.housner_restitution
     assert abs(across[k]) == pytest.approx((1.0 - e) * abs(before) * H, rel=1e-9)
     assert along[k] == pytest.approx((1.0 + e) * abs(before) * 0.5 * block.b, rel=1e-9)
+
+
+@pytest.mark.parametrize("off", [0.005, -0.005])
+@pytest.mark.parametrize("start", [0.05, -0.05])
+def test_altering_the_angle_finds_the_path_that_runs_away_to_neither_side(start: float, off: float) -> None:
+    """Readings that x = start cos(pi t) would give, without errors, and a guess that is wrong by 5 mrad.
+
+    Wrong by that much, x is wrong by 2.5 mm e^(lambda t), lambda = sqrt(g/h), and a metre off within 2 s.
+    """
+    t = SAMPLE * np.arange(1751)  # to 3.5 s, where x is zero: what ends to either side of it is known to leave there
+    x, x_2 = start * np.cos(np.pi * t), -(np.pi**2) * start * np.cos(np.pi * t)
+    a_x, r_Z = np.sin(5.0 * t), np.full_like(t, G)
+    r_X = (x_2 + a_x - r_Z * x / H) / np.sqrt(1.0 - (x / H) ** 2)
+    guess = math.asin(x[0] / H) + off
+    assert t[np.isnan(reconstructed(t, r_X, r_Z, a_x, guess, H))][0] < 2.0
+    found = dead_reckoning._altered(t, r_X, r_Z, a_x, guess, H)
+    # The first step takes a whole step's speed for half of one: start pi^2 SAMPLE / 2 in speed, over lambda in place.
+    assert found == pytest.approx(x, abs=1.1 * abs(x_2[0]) * 0.5 * SAMPLE / math.sqrt(G / H))
 
 
 def test_gains_and_noises_of_the_two_pickups_are_drawn_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,7 +6,7 @@ Status   runs of one kind (same equations, same kind of base motion) go through 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -18,7 +18,7 @@ from excitation import SampledMotion
 from rocking.altered import shaking
 from rocking.composed import ComposedMethod1
 from rocking.composed_method2 import ComposedMethod2
-from rocking.effect import Seen
+from rocking.effect import Effect, Seen
 from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, TRANSLATION_JUMP, Base, Discrete, System
 from rocking.hysteretic import HystereticBlock
 from rocking.inner_mass import BlockWithInnerMass
@@ -101,12 +101,35 @@ class _Leg(NamedTuple):
     stop: float  # [s]
 
 
-def _as_it_was(model: LoopModel, peak: Peak) -> Peak:
-    """A peak of a record as the model takes its sensor; as it was read where that says nothing."""
-    if not any("reading" in part.ways() for part in model.parts):
-        return peak
-    theta = model.peak(peak.theta)
-    return Peak(peak.time, theta, peak.omega / float(model.reading_slope(theta))) if math.isfinite(theta) else peak
+def _as_they_were(model: LoopModel, peaks: Collection[Peak]) -> dict[Peak, Peak]:
+    """Peaks of records as the model takes its sensor; as they were read where that says nothing."""
+    read = np.array([peak.theta for peak in peaks])
+    theta = np.array([model.peak(x) for x in read]) if model.remembers else model.rotation(read)
+    with np.errstate(all="ignore"):
+        omega = np.array([peak.omega for peak in peaks]) / model.reading_slope(theta)
+    return {
+        peak: Peak(peak.time, float(theta[k]), float(omega[k])) if math.isfinite(theta[k]) else peak
+        for k, peak in enumerate(peaks)
+    }
+
+
+def _true_peaks(
+    models: Sequence[LoopModel], legs: Mapping[_Leg, tuple[Peak, _Leg | None]]
+) -> dict[_Leg, Peak]:  # fmt: skip
+    """The peaks where legs begin, as their models take the sensor; those of one sensor all at once."""
+    sensors: dict[tuple[Effect, ...], tuple[LoopModel, dict[_Leg, Peak]]] = {}
+    of_model: dict[int, tuple[Effect, ...]] = {}
+    for leg, (peak, _) in legs.items():
+        if leg.model not in of_model:
+            parts = models[leg.model].parts
+            reads = any("reading" in p.ways() for p in parts)
+            of_model[leg.model] = tuple(p for p in parts if reads and {"reading", "recorded"} & set(p.ways()))
+        sensors.setdefault(of_model[leg.model], (models[leg.model], {}))[1][leg] = peak
+    found: dict[_Leg, Peak] = {}
+    for sensor, (model, peaks) in sensors.items():
+        was = _as_they_were(model, list(dict.fromkeys(peaks.values()))) if sensor else {}
+        found |= {leg: was.get(peak, peak) for leg, peak in peaks.items()}
+    return found
 
 
 class Struck(NamedTuple):
@@ -288,15 +311,13 @@ class Simulator:
         """
         legs: dict[_Leg, tuple[Peak, _Leg | None]] = {}
         lasts = [self._reached(models[job.model], job, legs) for job in jobs]
+        was = _true_peaks(models, legs)
         known: dict[_Leg, dict[str, Any]] = {}
         for depth in range(max((leg.depth for leg in legs), default=-1) + 1):
-            now = [(leg, peak, before) for leg, (peak, before) in legs.items() if leg.depth == depth]
-            runs = [
-                Job(leg.model, leg.test, np.array([leg.stop]), *_as_it_was(models[leg.model], peak))
-                for leg, peak, _ in now
-            ]
-            states = [known[before] if before is not None else {} for _, _, before in now]
-            for (leg, _, _), answer in zip(now, self._run(models, runs, states), strict=True):
+            now = [(leg, before) for leg, (_, before) in legs.items() if leg.depth == depth]
+            runs = [Job(leg.model, leg.test, np.array([leg.stop]), *was[leg]) for leg, _ in now]
+            states = [known[before] if before is not None else {} for _, before in now]
+            for (leg, _), answer in zip(now, self._run(models, runs, states), strict=True):
                 known[leg] = _beside_rotation(models[leg.model].system, answer)
         remembers = [isinstance(model.system, RememberingBlock) for model in models]
         return [

@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from studies.loop.fits.fitting import Fit
 from studies.loop.models.candidates import Candidate
 from studies.loop.records.preparing import Setup
@@ -163,6 +165,11 @@ def _round(
     return tried, accepted, confirmed
 
 
+def _missed_throughout(trial: Trial) -> bool:
+    """Whether half of the swings or more are missed by far."""
+    return float(np.median(trial.swing.by_window)) > MISSED_BY_FAR
+
+
 def _accepted(
     setup: Setup, onto: Trial, whole: Fit, tried: Round, pool: Sequence[Candidate], tell: Tell, hint: float = HINT
 ) -> tuple[Accepted | None, tuple[Rival, ...]]:
@@ -179,8 +186,9 @@ def _accepted(
         if gain(setup, whole, now) > LEAST_GAIN or not telling(now, reweighed(setup, whole, now)).any():
             accepted = best, now
     # Whole records are rugged: where swings say nothing, or one fit of whole records does not bear them out, or leaves
-    # far too much, these have more to say.  Floors that give begin there from swings alone, and have been fitted so.
-    unsettled = accepted is None or accepted[1].rms > MISSED_BY_FAR
+    # far too much, these have more to say; not where most swings are missed by far, in which more is to be found first.
+    # Floors that give begin there from swings alone, and have been fitted so.
+    unsettled = accepted is None or (accepted[1].rms > MISSED_BY_FAR and not _missed_throughout(accepted[0]))
     if not setup.by_rotation or (best is not None and likely and (onto.parts or not unsettled or best.costly)):
         return accepted, ()
     tell("asking whole records")

@@ -2,8 +2,9 @@
 
 The effect that explains most by itself may be none of those that act together.  So where something is left over, the
 search goes on from those that came near the first one, too.  Runs on floors that give take so long that what two other
-effects explain is asked first, unless such a floor explains some swings down to their noise.  Where one coefficient
-without a name explains all, and effects that are quickly tried do not, the search goes neither way.
+effects explain is asked first, unless such a floor explains some swings down to their noise, or by far more of them.
+Where one coefficient without a name explains all, and effects that are quickly tried do not, the search goes neither
+way.
 
 Source   none, own convention
 Status   a planted pair of which one effect came second to a stand-in for both is found (docs/benchmarks.md)
@@ -21,7 +22,17 @@ from studies.loop.records.preparing import Setup
 from studies.loop.search.revising import set_aside
 from studies.loop.search.rounds import Path, Tell, followed, nothing_of_swings, same, searched
 from studies.loop.swings.learning import by_itself, terms
-from studies.loop.swings.tracing import PAYS, Round, Trial, all_candidates, bic, floor_promises, pays, search
+from studies.loop.swings.tracing import (
+    LEADS,
+    PAYS,
+    Round,
+    Trial,
+    all_candidates,
+    bic,
+    floor_promises,
+    pays,
+    search,
+)
 from studies.loop.whole.remaining import (
     CLOSELY,
     begins_roughly,
@@ -65,9 +76,9 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     begin = Path([plain], [], [whole_fit(setup, plain)])
     tell("tracing, round 1")
     opening = searched(setup, plain, pool, tell, later=True)
-    floor = _floor_alone(setup, begin, opening, pool, tell)
+    floor = _floor_first(setup, begin, opening, pool, tell)
     if floor is not None:
-        return floor
+        return floor if _enough_alone(setup, floor) else _on_from_floor(setup, plain, floor, pool, tell)
     first = followed(setup, begin, pool, tell, later=True, begun=[opening], most=1)
     without_names = _without_names(setup, plain, first, pool, tell)
     if without_names is not None:
@@ -95,23 +106,46 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     return _told(setup, chosen, [*floors, *paths], greedy, rounds)
 
 
-def _floor_alone(
+def _floor_first(
     setup: Setup, begin: Path, opening: Round, pool: Sequence[Candidate], tell: Tell
 ) -> Path | None:  # fmt: skip
-    """The path to a floor that gives, if that alone leaves nothing where all that is quickly tried leaves something.
+    """The path to a floor that gives, where all that is quickly tried leaves something and that alone nothing, or
+    little of what the best of these leaves.
 
     opening: the first round, of which swings alone were asked.
     """
     if any(nothing_of_swings(setup, t) for t in (opening.onto, *opening.trials)):
         return None
-    if not declared_noise(setup) or not floor_promises(setup.simulator, opening, tell):
+    if not declared_noise(setup):
+        return None
+    promise = floor_promises(setup.simulator, opening, tell)
+    if promise == "little":
         return None
     tell("something is left: asking floors that give")
     path = followed(setup, begin, pool, tell, begun=_to_go_through_again([opening]), most=1)
-    if not path.last.costly or (setup.by_rotation and path.whole.rms > MISSED):
+    if not path.last.costly:
         return None
-    alone = explains(setup, path.last, path.whole) or roughly_begun(setup, path.last, path.whole)
-    return path if alone else None
+    others = min(t.swing.chi2 for t in (opening.onto, *opening.trials))
+    leads = promise == "most" and path.last.swing.chi2 < LEADS * others
+    return path if leads or _enough_alone(setup, path) else None
+
+
+def _enough_alone(setup: Setup, path: Path) -> bool:
+    """Whether a floor leaves nothing of swings, and of whole records."""
+    if setup.by_rotation and path.whole.rms > MISSED:
+        return False
+    return explains(setup, path.last, path.whole) or roughly_begun(setup, path.last, path.whole)
+
+
+def _on_from_floor(
+    setup: Setup, plain: Trial, floor: Path, pool: Sequence[Candidate], tell: Tell
+) -> Path:  # fmt: skip
+    """The path on from a floor that explains by far more than other effects do, though not all."""
+    without_names = _without_names(setup, plain, floor, pool, tell)
+    if without_names is not None:
+        return without_names
+    path = followed(setup, floor, pool, tell)
+    return _told(setup, path, [path], path, _merged([path]))
 
 
 def _to_go_through_again(rounds: Sequence[Round]) -> list[Round]:

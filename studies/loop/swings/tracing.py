@@ -15,6 +15,7 @@ import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 
@@ -73,6 +74,9 @@ BEHIND = "far less of some swings is explained than by the best"
 
 NEXT_TO_NOTHING = 1.2
 """What a floor that gives leaves of some swings after a few steps, over what noise does, if it may leave nothing."""
+
+LEADS = 1.0 / 3.0
+"""Or of what all others leave of them, if none of these may be what acts."""
 
 NOT_NEEDED = "nothing over the noise; runs take long"
 """What others leave where such a floor is not tried at all."""
@@ -267,11 +271,15 @@ def search_costly(
     return found.trials[before:]
 
 
-def floor_promises(simulator: Simulator, found: Round, tell: Callable[[str], None] = lambda text: None) -> bool:
-    """Whether a floor that gives may explain all by itself, of those that a round put off: on corners, or a bed.
+def floor_promises(
+    simulator: Simulator, found: Round, tell: Callable[[str], None] = lambda text: None
+) -> Literal["all", "most", "little"]:  # fmt: skip
+    """How much a floor that gives may explain by itself, of those that a round put off: on corners, or a bed.
 
-    It has to leave next to nothing of some swings after a few steps, and far less than all that the round tried.
+    All: it leaves next to nothing of some swings after a few steps, and less than all that the round tried.  Most: by
+    far less than these.
     """
+    promise: Literal["most", "little"] = "little"
     for floor in (c for c in found.put_off if c.beyond is None):
         tell(f"{floor.name}, on some swings")
         first = _on_some(simulator, found.onto, floor)
@@ -283,8 +291,10 @@ def floor_promises(simulator: Simulator, found: Round, tell: Callable[[str], Non
         left = _of_some(found.onto.swing, chosen) - first.gained
         least = min(_of_some(t.swing, chosen) for t in (found.onto, *found.trials))
         if left < min(NEXT_TO_NOTHING * noise, least - PAYS):
-            return True
-    return False
+            return "all"
+        if left < min(LEADS * least, least - PAYS):
+            promise = "most"
+    return promise
 
 
 def _fitted(

@@ -11,7 +11,8 @@ from excitation import PiecewiseLinear, SteadySinusoid
 from rocking import Block, Method1, solve
 from rocking.composed import IMPACT, TIP_LEFT, TIP_RIGHT
 from rocking.effects import compose, load
-from rocking.hybrid import Base
+from rocking.hybrid import ROTATION, Base, Discrete
+from rocking.inner_mass import inside
 
 G = 9.81
 BLOCK = Block(b=0.2, h=0.8)
@@ -152,6 +153,28 @@ def test_a_pitch_of_the_base_carries_the_mass_along() -> None:
     psi, psi2 = 0.01, 0.3
     rate = system.flow(np, y, q, Base(0.0, 0.0, psi, psi2), system.parameters)
     assert rate[3] == pytest.approx(G * math.sin(psi) - psi2 * HEIGHT, rel=1e-12)
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.03])
+@pytest.mark.parametrize("theta", [0.5, 0.8])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_pitch_carries_the_mass_of_a_leaning_block_along(side: float, theta: float, shift: float) -> None:
+    """A point at (x, z) over the middle of the base feels the floor go by psi'' (z, -x).
+
+    The middle place of the mass is s a (1 - cos) + h sin to the right and s a sin + h cos up.  In the axes of the block
+    that is psi'' (h + s a sin) along its base and psi'' s a (1 - cos) across.
+    """
+    system = compose(Method1(BLOCK, g=G), [effect()])
+    theta, a, mu, psi2 = side * theta, 0.5 * BLOCK.b, 0.08, 3.0
+    y, q = (theta, 0.4, side * shift, 0.7), Discrete(ROTATION, side, 1.0)
+    pitching, still = (inside(np, y, q, Base(0.5, -0.3, 0.01, psi), system.parameters) for psi in (psi2, 0.0))
+    along = psi2 * (HEIGHT + side * a * math.sin(theta))
+    across = psi2 * side * a * (1.0 - math.cos(theta))
+    assert pitching.v_dot - still.v_dot == pytest.approx(-along, rel=1e-12)
+    # Its force is felt at its place, HEIGHT over the base and `shift` beside the middle.
+    turned = mu * (HEIGHT * along + side * shift * across)
+    assert pitching.moment - still.moment == pytest.approx(turned, rel=1e-12)
+    assert pitching.inertia == still.inertia
 
 
 @pytest.mark.parametrize(

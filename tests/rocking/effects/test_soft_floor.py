@@ -14,6 +14,7 @@ from excitation import SampledMotion
 from rocking import Block, Method1, Mode, solve
 from rocking.effects import compose, parse
 from rocking.hybrid import Discrete
+from rocking.instruments import accelerometer
 
 G = 9.80665
 PAPER = Block(b=0.30, h=1.00, d=0.50)  # Block 1 of Winkler, Meguro & Yamazaki (1995), Table 1
@@ -88,6 +89,22 @@ def test_between_its_feet_a_torque_of_the_side_grows_with_the_tilt(value: float,
     H, inertia = 0.5 * SMALL.h - m * G / (2.0 * k), SMALL.I_c + m * (a**2 + (0.5 * SMALL.h) ** 2)
     held = 2.0 * k * a**2 - m * G * H - 2.0 * a * k * inertia * value / (m * G)
     assert run.theta[-1] == pytest.approx(-m * push * H / held, rel=2e-3)
+
+
+# Springs and dashpots of both corners hold the block as an oscillator of w^2 = 2 k/m and the damping sqrt(2) xi: over a
+# base that begins to rise with A its centre rises with A (1 - e^(-zeta w t) (cos w_d t - zeta w/w_d sin w_d t)).
+@pytest.mark.parametrize("A", [2.0, -3.0])
+@pytest.mark.parametrize("xi", [0.1, 0.4])
+def test_an_accelerometer_on_a_block_that_is_shaken_up_and_down_reads_an_oscillator(xi: float, A: float) -> None:
+    k, t = 5e5, np.linspace(0.0, 0.1, 101)
+    motion = SampledMotion(0.05, np.zeros(3), np.full(3, A))
+    run = on_springs(SMALL, k, xi, motion=motion, t_end=0.1, save_at=t, rtol=1e-11, atol=1e-14)
+    w, zeta = math.sqrt(2.0 * k / SMALL.mass), math.sqrt(2.0) * xi
+    w_d = w * math.sqrt(1.0 - zeta**2)
+    behind = np.exp(-zeta * w * t) * (np.cos(w_d * t) - zeta * w / w_d * np.sin(w_d * t))
+    top = (0.0, SMALL.h)
+    np.testing.assert_allclose(accelerometer(run, top, (0.0, 1.0)), G + A * (1.0 - behind), rtol=0.0, atol=1e-7)
+    np.testing.assert_allclose(accelerometer(run, top, (1.0, 0.0)), 0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("theta", [2e-5, -2e-5, 1e-3, -1e-3, 0.1])

@@ -225,6 +225,54 @@ def test_a_mass_hung_in_a_block_that_stands_swings_as_a_pendulum(damping: float)
     assert 1.0 < expected < 3.0
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_mass_hung_in_a_block_keeps_its_speed_along_its_arc_through_an_impact(side: float) -> None:
+    """Newton's equations of block, bob and the pull in the rod, followed from corner to corner by DOP853.
+
+    A hinge at z over the middle of the base goes at omega (z, s b) as the block lands on its whole base from corner s;
+    at the impact both omega and s change.
+    """
+    z, length, bob = 0.4, 0.15, 30.0
+    world = replace(WORLD, slosh_mass=bob, slosh_length=length, slosh_height=z)
+    b, H, m, J = WORLD.half_breadth, WORLD.centre_height, WORLD.mass, WORLD.corner_inertia
+
+    def rate(t, y, s):
+        theta, omega, psi, spin = y
+        sin, cos, S, C = math.sin(theta), math.cos(theta), math.sin(psi), math.cos(psi)
+        centre = -s * b * cos + H * sin
+        x, up = -s * b * cos + z * sin, s * b * sin + z * cos  # the hinge from the corner
+        # Rows: moments on the block about the corner, the bob to the right and up; of theta'', psi'' and the pull.
+        left = [[J, 0.0, -(up * S + x * C)], [bob * up, bob * length * C, S], [-bob * x, bob * length * S, -C]]
+        right = [
+            m * G * centre,
+            bob * (omega**2 * x + length * spin**2 * S),
+            bob * (omega**2 * up - length * spin**2 * C - G),
+        ]
+        turning, swinging, _ = np.linalg.solve(left, right)
+        return omega, turning, spin, swinging
+
+    def flat(t, y, s):
+        return y[0]
+
+    flat.terminal = True  # type: ignore[attr-defined]
+    found = event.simulate(world, AT_REST, STEP, 1, side * LEAN)
+    begin, s, state = 0.0, side, np.array([side * LEAN, 0.0, 0.0, 0.0])
+    for impact in range(3):
+        flat.direction = -s  # type: ignore[attr-defined]
+        swing = solve_ivp(
+            rate, (begin, END), state, args=(s,), method="DOP853", events=flat, rtol=1e-11, atol=1e-13,
+            dense_output=True,
+        )  # fmt: skip
+        end, (_, omega, psi, spin) = swing.t[-1], swing.y[:, -1]
+        assert found.impacts[impact, 0] == pytest.approx(end, abs=1e-8)
+        inside = (found.time > begin) & (found.time < end)
+        assert found.rotation[inside] == pytest.approx(swing.sol(found.time[inside])[0], abs=1e-8)
+        kept = RESTITUTION * omega
+        jerk = z * (kept - omega), -s * b * (kept + omega)
+        spin -= (math.cos(psi) * jerk[0] + math.sin(psi) * jerk[1]) / length
+        begin, s, state = end, -s, np.array([0.0, kept, psi, spin])
+
+
 def test_the_last_sample_is_that_of_a_run_that_goes_on() -> None:
     """Its angular acceleration is the floor's at its own time, though no piece of the floor begins there."""
     goes_on = event.simulate(WORLD, GROWING, STEP, 4, LEAN)

@@ -26,7 +26,7 @@ def whole(*rms):
 def trial(name, chi2, over, *, costly=False, slips=False):
     """A trial whose swings leave `over` times the noise."""
     part = SimpleNamespace(costly=costly, slips=slips, in_swings=True, effect=name, parameters=())
-    swing = SimpleNamespace(chi2=chi2, over=over, parameters=(), samples=1000)
+    swing = SimpleNamespace(chi2=chi2, over=over, by_window=np.full(3, over), parameters=(), samples=1000)
     parts = (part,) if name else ()
     return SimpleNamespace(names=(name,) if name else (), effects=(name,), parts=parts, swing=swing, costly=costly)
 

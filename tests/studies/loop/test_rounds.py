@@ -216,6 +216,24 @@ def test_a_floor_that_swings_bear_out_is_not_asked_of_whole_records_again(stubs,
 
 
 @pytest.mark.parametrize(
+    ("swings", "asked"),
+    [((2.9, 2.9, 9.0), [whole_records.HINT]), ((2.9, 3.1, 9.0), []), ((9.0, 9.0, 1.0), [])],
+)
+def test_whole_records_are_not_asked_of_what_misses_most_swings_by_far_and_is_accepted(stubs, swings, asked):
+    best = trial("best", 100.0, 2.0)
+    best.swing.by_window = np.array(swings)
+    stubs.whole["best"] = whole(5.0, 6.0)
+    setup = SimpleNamespace(simulator=None, by_rotation=True)
+    found, _ = rounds._accepted(setup, PLAIN, whole(30.0, 40.0), Round(PLAIN, [best]), (), lambda text: None)
+    assert found[0] is best and stubs.asked == asked
+    # Where nothing is accepted there is nothing else to ask.
+    stubs.whole["best"] = whole(40.0, 30.0)
+    stubs.asked.clear()
+    found, _ = rounds._accepted(setup, PLAIN, whole(5.0, 6.0), Round(PLAIN, [best]), (), lambda text: None)
+    assert found is None and stubs.asked == [whole_records.HINT]
+
+
+@pytest.mark.parametrize(
     "criterion, left, first", [(80.0, 1.0, "floor"), (120.0, 1.0, "floor"), (120.0, 5.0, "tilt"), (80.0, 7.0, "tilt")]
 )
 def test_rivals_of_both_passes_are_kept(stubs, monkeypatch, criterion, left, first):
@@ -341,13 +359,16 @@ def test_a_corner_that_bounces_is_not_tried_where_a_softer_floor_leaves_nothing(
 @pytest.mark.parametrize(
     ("left", "other", "promises"),
     [
-        (1199.0, 1300.0, True),
-        (1201.0, 1300.0, False),  # of 1,000 numbers that are not taken up by where swings begin
-        (1000.0, 1059.0, False),  # what others leave is not more by as much as pays
-        (1000.0, 1061.0, True),
+        (1199.0, 1300.0, "all"),
+        (1201.0, 1300.0, "little"),  # of 1,000 numbers that are not taken up by where swings begin
+        (1000.0, 1059.0, "little"),  # what others leave is not more by as much as pays
+        (1000.0, 1061.0, "all"),
+        (1201.0, 3604.0, "most"),
+        (1201.0, 3602.0, "little"),  # not less than a third of what the best of the others leaves
+        (1340.0, 4500.0, "little"),  # which is the other one here
     ],
 )
-def test_a_floor_promises_to_explain_all_where_it_leaves_little_and_others_leave_more(
+def test_a_floor_promises_to_explain_all_where_it_leaves_little_and_others_leave_more_or_most_where_far_more(
     monkeypatch, left, other, promises
 ):
     swing = SimpleNamespace(residuals=[np.zeros(252)] * 4, left=5000.0)
@@ -364,16 +385,16 @@ def test_a_floor_promises_to_explain_all_where_it_leaves_little_and_others_leave
 
     monkeypatch.setattr(tracing, "_on_some", first)
     others = [SimpleNamespace(swing=SimpleNamespace(left=value)) for value in (other, 4000.0)]
-    assert tracing.floor_promises(None, Round(onto, others, put_off=pool)) is promises
-    assert asked == ([floor] if promises else [floor, bed])
+    assert tracing.floor_promises(None, Round(onto, others, put_off=pool)) == promises
+    assert asked == ([floor] if promises == "all" else [floor, bed])
     noted = Round(onto, others, put_off=pool)
     tracing.floor_promises(None, noted)
     assert noted.begun["floor"].gained == 5000.0 - left
     gains["floor"], gains["bed"] = 0.0, gains["floor"]
-    assert tracing.floor_promises(None, Round(onto, others, put_off=pool)) is promises
-    assert not tracing.floor_promises(None, Round(onto, others, put_off=pool[:1]))
+    assert tracing.floor_promises(None, Round(onto, others, put_off=pool)) == promises
+    assert tracing.floor_promises(None, Round(onto, others, put_off=pool[:1])) == "little"
     monkeypatch.setattr(tracing, "_on_some", lambda *_: "no start led anywhere")
-    assert not tracing.floor_promises(None, Round(onto, others, put_off=pool))
+    assert tracing.floor_promises(None, Round(onto, others, put_off=pool)) == "little"
 
 
 def test_what_a_floor_was_asked_for_its_promise_is_not_asked_again(monkeypatch):

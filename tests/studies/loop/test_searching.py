@@ -14,7 +14,7 @@ def ways(monkeypatch):
     """A search in which floors are put off at first, and each case says what is accepted and what that leaves."""
     told = SimpleNamespace(
         chance=True, explains=True, rounds=[], accepted={}, put_off=(SimpleNamespace(name="floor"),), whole=1.4,
-        trials={}, declared=True, term=False, promises=False, nothing=(),
+        trials={}, declared=True, term=False, promises="little", nothing=(),
     )  # fmt: skip
 
     def one_round(setup, onto, whole, pool, tell, known, later):
@@ -178,7 +178,7 @@ def test_one_effect_that_leaves_nothing_needs_no_floor(ways):
 @pytest.fixture
 def springs(ways, monkeypatch):
     """A floor on springs that promises to explain all that no other effect does, and does."""
-    ways.promises, ways.chance, ways.whole = True, False, 1.0
+    ways.promises, ways.chance, ways.whole = "all", False, 1.0
     ways.roughly = False
     floor = path_of("springs", costly=True)
     ways.accepted = {((), True): path_of("a"), ((), False): floor, (("a",), False): path_of("a", "springs")}
@@ -198,7 +198,8 @@ def test_a_floor_that_explains_all_by_itself_ends_the_search_before_others_are_a
 @pytest.mark.parametrize(
     "change",
     [
-        pytest.param({"promises": False}, id="not of some swings"),
+        pytest.param({"promises": "little"}, id="not of some swings"),
+        pytest.param({"promises": "most", "explains": False}, id="it leaves as much as another effect"),
         pytest.param({"declared": False}, id="the noise is estimated"),
         pytest.param({"nothing": [("a",)]}, id="another effect leaves nothing of the swings"),
         pytest.param({"nothing": [()]}, id="the calibrated block leaves nothing of the swings"),
@@ -212,6 +213,36 @@ def test_others_are_asked_first_where_a_floor_does_not_explain_all(springs, chan
         setattr(springs, name, value)
     searched()
     assert ((), True, True) in springs.rounds
+
+
+def test_a_floor_that_explains_by_far_more_than_others_is_gone_on_from(springs):
+    springs.promises, springs.explains = "most", False
+    springs.trials = {(): [path_of("a", chi2=1000.0)]}
+    springs.accepted[((), False)] = floor = path_of("springs", costly=True, chi2=330.0)
+    springs.accepted[(("springs",), False)] = path_of("springs", "a", costly=True)
+    plain = path_of(chi2=2000.0)
+
+    def found():
+        springs.rounds.clear()
+        return searching.traced(setup_of(True), plain, lambda text: None)
+
+    assert [t.names for t in found().trials] == [(), ("springs",), ("springs", "a")]
+    assert [onto for onto, *_ in springs.rounds] == [(), ("springs",), ("springs", "a")][: len(springs.rounds)]
+    assert not any(later for _, later, _ in springs.rounds)
+    # Not where fits to the end do not bear that out.
+    floor.swing.chi2 = 340.0
+    found()
+    assert any(later for _, later, _ in springs.rounds)
+
+
+def test_one_coefficient_without_a_name_may_be_more_than_a_floor_that_leads(springs, monkeypatch):
+    springs.promises, springs.explains = "most", False
+    springs.trials = {(): [path_of("a", chi2=1000.0)]}
+    springs.accepted[((), False)] = path_of("springs", costly=True, chi2=100.0)
+    other, seen = object(), []
+    monkeypatch.setattr(searching, "_without_names", lambda setup, plain, first, *_: seen.append(first.last) or other)
+    assert searching.traced(setup_of(True), path_of(chi2=2000.0), lambda text: None) is other
+    assert [t.names for t in seen] == [("springs",)]
 
 
 def test_one_effect_that_slips_puts_no_floor_off(ways):
