@@ -53,6 +53,9 @@ MANY = 4
 FEW = 2
 """Coefficients and curves that are the better answer where they leave no more than noise, whatever else would."""
 
+LEAST_OF_ALL = 0.5
+"""Share of what is over the noise that `FEW` of them explain, or more are not looked for: what acts is in no span."""
+
 HOPELESS = 1
 """Coefficients after which half of what is to be reached has to be."""
 
@@ -362,7 +365,7 @@ def _grown(
         gained = onto.swing.chi2 - current.swing.chi2
         if rival is not None and count >= HOPELESS and gained < 0.5 * (onto.swing.chi2 - rival.swing.chi2):
             break
-        if not _more_to_learn(current):
+        if not _more_to_learn(current) or (count >= FEW and gained < LEAST_OF_ALL * (onto.swing.chi2 - _noise(onto))):
             break
         for pool, known in pools:
             if current.names not in known:
@@ -383,8 +386,13 @@ def _more_to_learn(trial: Trial) -> bool:
     return _over_noise(trial) * (1.0 - LEAST_GAIN) >= LEAST_LEFT
 
 
+def _noise(trial: Trial) -> float:
+    """Chi-square that pure noise leaves of the swings, whose states are fitted."""
+    swings = trial.swing
+    return float(swings.samples - 2 * len(swings.windows) - len(swings.parameters))
+
+
 def _over_noise(trial: Trial) -> float:
     """Rms of the swings over what pure noise leaves of them."""
-    swings = trial.swing
-    left = 1.0 - (2 * len(swings.windows) + len(swings.parameters)) / max(swings.samples, 1)
-    return swings.rms / math.sqrt(left) if left > 0.0 else math.inf
+    left = _noise(trial) / max(trial.swing.samples, 1)
+    return trial.swing.rms / math.sqrt(left) if left > 0.0 else math.inf

@@ -219,7 +219,7 @@ def test_grinding_sums_the_squares_of_impact_speeds_from_test_to_test() -> None:
     assert used(LAB, plans) is LAB
 
 
-def test_a_gust_tips_a_block_at_rest_when_its_force_over_the_mass_passes_g_tan_alpha_and_no_base_sensor_shows_it() -> None:
+def test_a_gust_tips_a_block_at_rest_where_it_passes_g_tan_alpha_and_no_base_sensor_shows_it() -> None:
     """A bell of 2 g tan alpha passes the threshold sqrt(2 ln 2) of its widths before its middle."""
     middle, width = 1.0, 0.2
     for sign in (1.0, -1.0):

@@ -364,6 +364,28 @@ def test_states_that_go_on_are_not_tried_for_the_little_that_terms_leave(
     assert asked == [1, 2][:passes]
 
 
+@pytest.mark.parametrize(("second", "terms"), [(5600.0, 2), (5400.0, 4)])
+def test_no_third_coefficient_is_looked_for_where_two_explain_less_than_half(
+    monkeypatch: pytest.MonkeyPatch, second: float, terms: int
+) -> None:
+    """Noise leaves 980 of the 10,000 of the block itself, of 1000 samples in 10 windows: half is at 5,490."""
+
+    def trial(count: int, chi2: float) -> Any:
+        swing = SimpleNamespace(
+            chi2=chi2, rms=math.sqrt(chi2 / 1000.0), samples=1000, windows=(None,) * 10, parameters=()
+        )
+        return SimpleNamespace(names=("term",) * count, parts=(), swing=swing)
+
+    left = [10000.0, 8000.0, second, 4000.0, 3000.0, 2000.0]
+    trials = [trial(count, chi2) for count, chi2 in enumerate(left)]
+    monkeypatch.setattr(learning, "open_to", lambda trial, pool: ())
+    monkeypatch.setattr(
+        learning, "search", lambda _, onto, *__, **___: SimpleNamespace(best=trials[trials.index(onto) + 1])
+    )
+    found = learning._grown(None, trials[0], [((), {})], lambda text: None, None, 4)  # type: ignore[arg-type]
+    assert len(found.names) == terms
+
+
 def test_what_may_be_learned_is_nothing_at_first() -> None:
     """Every curve and memory, at its absent values, leaves the run as it was."""
     simulator, plain = decays(IDEAL)
