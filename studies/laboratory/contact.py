@@ -20,7 +20,7 @@ from .parameters import INDEX, World, refuse
 
 MU, K, CD, NS, GIVE = (INDEX[k] for k in ("friction", "stiffness", "damping", "springs", "give"))
 STEP = 1e-5  # s
-FINEST = 1.0 / 256.0  # of a step across which a contact begins or ends, sticks or slips
+FINEST = 1.0 / 256.0  # of a step: parts of this length and less are not cut up further
 FOREIGN = (
     "radius", "adhesion", "slope", "side", "leak", "bedding", "grind", "heed", "hinge", "guide", "layer", "slosh_mass",
 )  # fmt: skip
@@ -172,7 +172,8 @@ def contacts(y, P):
     for i in range(2):
         if corner(2.0 * i - 1.0, y, sn, cs, P)[2] > 0.0:
             found |= 1 << (n + i)
-            if k * abs(y[6 + i]) >= held(left if i == 0 else right, P):
+            # `slip` sets it to that, to rounding.
+            if k * abs(y[6 + i]) >= (1.0 - 1e-12) * held(left if i == 0 else right, P):
                 found |= 1 << (n + 2 + i)
     return found
 

@@ -381,7 +381,7 @@ def sprung_table(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
 def gusts(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     """A fan that blows at the same times in each test: a force that depends on nothing but the time."""
     size = d.sign * min(0.2, k * d.between(0.005, 0.05)) * lab.world.alpha * lab.world.gravity
-    blows = tuple((start, size, 0.15 + 0.15 * d.choice) for start in (0.8 + d.other, 3.0 + d.other, 6.5))
+    blows = tuple((middle, size, 0.15 + 0.15 * d.choice) for middle in (0.8 + d.other, 3.0 + d.other, 6.5))
     return replace(lab, table=replace(lab.table, gusts=blows)), {}
 
 

@@ -101,7 +101,12 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("rocking/solve.py", ("test_trajectory", "test_bad_input", "test_solvers_agree")),
     (
         "rocking/soft_floor.py",
-        ("effects/test_soft_floor", "effects/test_soft_floor_friction", "effects/test_winkler_bed"),
+        (
+            "effects/test_soft_floor",
+            "effects/test_soft_floor_friction",
+            "effects/test_winkler_bed",
+            "effects/test_effects_on_instruments",
+        ),
     ),
     ("rocking/remembering.py", ("effects/test_learned_memory",)),
     ("rocking/inner_mass.py", ("effects/test_learned_mode",)),

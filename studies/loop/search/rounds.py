@@ -166,7 +166,7 @@ def _round(
 
 
 def _missed_throughout(trial: Trial) -> bool:
-    """Whether half of the swings or more are missed by far."""
+    """Whether swings are missed by far in the median."""
     return float(np.median(trial.swing.by_window)) > MISSED_BY_FAR
 
 

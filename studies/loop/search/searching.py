@@ -68,7 +68,8 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     """The path that serves best; after its own rounds come those of the paths that were left.
 
     Floors that give are tried where the others leave something over the noise, or whole records are missed: from the
-    beginning, and on top of the first effect of a path to which the search went back.
+    beginning, and on top of the first effect of a path to which the search went back.  One that leads by far is gone on
+    from at once, and stands unless two other effects serve better.
     """
     pool = all_candidates(plain.swing.model, setup.campaign.conditions.friction)
     if not setup.by_rotation:
@@ -77,14 +78,21 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     tell("tracing, round 1")
     opening = searched(setup, plain, pool, tell, later=True)
     floor = _floor_first(setup, begin, opening, pool, tell)
-    if floor is not None:
-        return floor if _enough_alone(setup, floor) else _on_from_floor(setup, plain, floor, pool, tell)
-    first = followed(setup, begin, pool, tell, later=True, begun=[opening], most=1)
+    if floor is not None and _enough_alone(setup, floor):
+        return floor
+    first = floor or followed(setup, begin, pool, tell, later=True, begun=[opening], most=1)
     without_names = _without_names(setup, plain, first, pool, tell)
     if without_names is not None:
         return without_names
+    if floor is not None:
+        floor = followed(setup, floor, pool, tell)
+        if explains(setup, floor.last, floor.whole):
+            return _told(setup, floor, [floor], floor, _merged([floor]))
+        first = followed(setup, begin, pool, tell, later=True, begun=[opening], most=1)
     # Where no first effect was accepted there is nothing to go on from.
     greedy = followed(setup, first, pool, tell, later=True) if len(first.trials) > 1 else first
+    if floor is not None and not _serves_better(setup, greedy, floor):
+        return _told(setup, floor, [floor, greedy], floor, [_with_reason(r) for r in _merged([floor, greedy])])
     paths = [greedy, *_going_back(setup, greedy, pool, tell)]
     # One effect alone was left in the first round already.
     quick = _best(setup, [greedy, *(p for p in paths[1:] if len(p.trials) > 2)])
@@ -126,7 +134,8 @@ def _floor_first(
     if not path.last.costly:
         return None
     others = min(t.swing.chi2 for t in (opening.onto, *opening.trials))
-    leads = promise == "most" and path.last.swing.chi2 < LEADS * others
+    # One that explains swings and misses whole records is no place to go on from: nothing is left of swings to add to.
+    leads = path.last.swing.chi2 < LEADS * others and not explains(setup, path.last, path.whole)
     return path if leads or _enough_alone(setup, path) else None
 
 
@@ -135,17 +144,6 @@ def _enough_alone(setup: Setup, path: Path) -> bool:
     if setup.by_rotation and path.whole.rms > MISSED:
         return False
     return explains(setup, path.last, path.whole) or roughly_begun(setup, path.last, path.whole)
-
-
-def _on_from_floor(
-    setup: Setup, plain: Trial, floor: Path, pool: Sequence[Candidate], tell: Tell
-) -> Path:  # fmt: skip
-    """The path on from a floor that explains by far more than other effects do, though not all."""
-    without_names = _without_names(setup, plain, floor, pool, tell)
-    if without_names is not None:
-        return without_names
-    path = followed(setup, floor, pool, tell)
-    return _told(setup, path, [path], path, _merged([path]))
 
 
 def _to_go_through_again(rounds: Sequence[Round]) -> list[Round]:

@@ -76,7 +76,7 @@ NEXT_TO_NOTHING = 1.2
 """What a floor that gives leaves of some swings after a few steps, over what noise does, if it may leave nothing."""
 
 LEADS = 1.0 / 3.0
-"""Or of what all others leave of them, if none of these may be what acts."""
+"""A floor that leaves less than this share of what the best of all others leaves of some swings leads."""
 
 NOT_NEEDED = "nothing over the noise; runs take long"
 """What others leave where such a floor is not tried at all."""

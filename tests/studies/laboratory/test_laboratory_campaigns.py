@@ -239,6 +239,17 @@ def test_a_gust_tips_a_block_at_rest_where_it_passes_g_tan_alpha_and_no_base_sen
             assert read is None if plan.motion is None else np.abs(read).max() <= 1e-6
 
 
+def test_an_accelerometer_on_a_block_that_stands_in_the_wind_reads_nothing() -> None:
+    lab = replace(
+        LAB, table=replace(LAB.table, gusts=((1.0, 0.3 * LAB.world.gravity * math.tan(LAB.world.alpha), 0.2),))
+    )
+    plan = Plan("free", "free", 500.0, 600, 0.0, 0.0, None, 0)
+    sensor = Channel("acc", "block_acceleration", 0.0, (0.0, 0.5), (1.0, 0.0))
+    read = reading(lab, plan, respond(lab, plan), sensor, Bench((sensor,), {"acc": 0.0}))
+    assert read is not None
+    np.testing.assert_allclose(read, 0.0, rtol=0.0, atol=1e-12)
+
+
 def test_impacts_that_heed_the_base_lose_by_its_acceleration_there() -> None:
     """The record of the base at the times of the impacts, along the way in which the block falls."""
     heedful = replace(LAB, world=replace(LAB.world, heed=0.01))

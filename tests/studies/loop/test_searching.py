@@ -215,24 +215,43 @@ def test_others_are_asked_first_where_a_floor_does_not_explain_all(springs, chan
     assert ((), True, True) in springs.rounds
 
 
-def test_a_floor_that_explains_by_far_more_than_others_is_gone_on_from(springs):
+def test_a_floor_that_explains_by_far_more_than_others_is_gone_on_from(springs, monkeypatch):
     springs.promises, springs.explains = "most", False
     springs.trials = {(): [path_of("a", chi2=1000.0)]}
     springs.accepted[((), False)] = floor = path_of("springs", costly=True, chi2=330.0)
-    springs.accepted[(("springs",), False)] = path_of("springs", "a", costly=True)
+    springs.accepted[((), True)] = path_of("a", chi2=1000.0)
+    springs.accepted[(("springs",), False)] = on = path_of("springs", "a", costly=True, chi2=300.0)
+    springs.accepted[(("a",), True)] = pair = path_of("a", "b", chi2=290.0)
     plain = path_of(chi2=2000.0)
 
     def found():
         springs.rounds.clear()
         return searching.traced(setup_of(True), plain, lambda text: None)
 
+    floor_and_quick = [(), ("springs",), (), ("a",)]
     assert [t.names for t in found().trials] == [(), ("springs",), ("springs", "a")]
-    assert [onto for onto, *_ in springs.rounds] == [(), ("springs",), ("springs", "a")][: len(springs.rounds)]
-    assert not any(later for _, later, _ in springs.rounds)
-    # Not where fits to the end do not bear that out.
+    assert [onto for onto, *_ in springs.rounds] == floor_and_quick
+    # What is quickly tried is not asked at all where the floor leaves nothing with what it is gone on from to.
+    monkeypatch.setattr(searching, "explains", lambda setup, trial, whole: trial is on)
+    assert found().last is on
+    assert [onto for onto, *_ in springs.rounds] == [(), ("springs",)]
+    # Two other effects that serve better by far take its place; floors are tried on top of them last of all.
+    monkeypatch.setattr(searching, "explains", lambda setup, trial, whole: False)
+    pair.swing.chi2 = 100.0
+    found()
+    assert [onto for onto, *_ in springs.rounds][:4] == floor_and_quick and len(springs.rounds) > 4
+    # It is not gone on from where fits to the end do not bear out what some swings promised.
     floor.swing.chi2 = 340.0
     found()
-    assert any(later for _, later, _ in springs.rounds)
+    assert [onto for onto, *_ in springs.rounds][:2] == [(), ()]
+
+
+def test_a_floor_that_explains_swings_and_misses_whole_records_is_not_gone_on_from(springs):
+    springs.promises, springs.whole = "most", 2.0
+    springs.trials = {(): [path_of("a", chi2=1000.0)]}
+    springs.accepted[((), False)].swing.chi2 = 100.0
+    searching.traced(setup_of(True), path_of(chi2=2000.0), lambda text: None)
+    assert ((), True, True) in springs.rounds
 
 
 def test_one_coefficient_without_a_name_may_be_more_than_a_floor_that_leads(springs, monkeypatch):

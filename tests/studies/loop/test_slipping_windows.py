@@ -5,6 +5,7 @@ The record is made with the package's SciPy solver and noise; the fits run on th
 
 from __future__ import annotations
 
+import math
 from types import SimpleNamespace
 from typing import Any
 
@@ -20,7 +21,7 @@ from studies.loop.models.model import RESTITUTION, LoopModel
 from studies.loop.models.parameters import Parameter
 from studies.loop.observed.observing import jobs_of
 from studies.loop.observed.windows import record_of, swing_windows
-from studies.loop.runs.simulation import Simulator
+from studies.loop.runs.simulation import Peak, Simulator, _Leg, _true_peaks
 from studies.loop.swings import tracing
 from studies.loop.swings.tracing import baseline, pays, search
 
@@ -50,6 +51,26 @@ def windows_of(tests: list[Test]) -> list[Any]:
     record = record_of(tests[0], 0, NOISE, DECLARED.alpha)
     assert record is not None
     return swing_windows([record])
+
+
+def test_a_way_of_legs_begins_at_the_peaks_that_the_sensor_of_each_model_has_read() -> None:
+    """reading = gain theta + offset, so that theta = (reading - offset) / gain and omega = its slope / gain."""
+    sensors: tuple[dict[str, dict[str, float]], ...] = (
+        {},
+        {"rotation_gain": {"gain": 0.9}},
+        {"rotation_offset": {"offset": 0.004}},
+        {"rotation_gain": {"gain": 0.9}, "viscous_damping": {"coefficient": 0.1}},
+    )
+    models = [LoopModel(DECLARED, E, sensor, 9.81) for sensor in sensors]
+    read = Peak(1.0, 0.1, 0.02), Peak(2.0, -0.05, -0.01), Peak(3.0, math.nan, 0.0)
+    legs: dict[_Leg, tuple[Peak, _Leg | None]] = {
+        _Leg(model, 0, 1.0, k, 1.0 + k): (peak, None) for model in range(len(models)) for k, peak in enumerate(read)
+    }
+    for leg, true in _true_peaks(models, legs).items():
+        peak = read[leg.depth]
+        gain, offset = (1.0, 0.9, 1.0, 0.9)[leg.model], (0.0, 0.0, 0.004, 0.0)[leg.model]
+        expected = Peak(peak.time, (peak.theta - offset) / gain, peak.omega / gain)
+        np.testing.assert_allclose(true, expected if math.isfinite(peak.theta) else peak, rtol=1e-9, atol=1e-12)
 
 
 @pytest.fixture(scope="module")
