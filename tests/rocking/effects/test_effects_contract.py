@@ -248,7 +248,8 @@ ALONE = (*METHOD_2, "compliant_base", "learned_hysteresis", "learned_mode")
 TOGETHER = [name for name in NAMES if name not in ALONE]
 
 
-@pytest.mark.parametrize("solver", ["numba", pytest.param("diffrax", marks=pytest.mark.slow)])
+@pytest.mark.slow  # the equations of all effects at once take a minute to compile
+@pytest.mark.parametrize("solver", ["numba", "diffrax"])
 def test_solvers_agree_on_all_effects_together(shaken: Any, solver: str) -> None:
     effects = [load(name)(**PRESENT[name]) for name in TOGETHER]
     options: Any = {"theta": 0.05, "rtol": 1e-11, "atol": 1e-14, "t_end": 0.8}
