@@ -124,10 +124,7 @@ def _floor_first(
     """
     if any(nothing_of_swings(setup, t) for t in (opening.onto, *opening.trials)):
         return None
-    if not declared_noise(setup):
-        return None
-    promise = floor_promises(setup.simulator, opening, tell)
-    if promise == "little":
+    if not declared_noise(setup) or not floor_promises(setup.simulator, opening, tell):
         return None
     tell("something is left: asking floors that give")
     path = followed(setup, begin, pool, tell, begun=_to_go_through_again([opening]), most=1)

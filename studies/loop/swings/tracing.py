@@ -15,7 +15,6 @@ import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import Literal
 
 import numpy as np
 
@@ -271,15 +270,12 @@ def search_costly(
     return found.trials[before:]
 
 
-def floor_promises(
-    simulator: Simulator, found: Round, tell: Callable[[str], None] = lambda text: None
-) -> Literal["all", "most", "little"]:  # fmt: skip
-    """How much a floor that gives may explain by itself, of those that a round put off: on corners, or a bed.
+def floor_promises(simulator: Simulator, found: Round, tell: Callable[[str], None] = lambda text: None) -> bool:
+    """Whether a floor that gives may explain all by itself, of those that a round put off, or most: corners, or a bed.
 
-    All: it leaves next to nothing of some swings after a few steps, and less than all that the round tried.  Most: by
-    far less than these.
+    After a few steps it has to leave less of some swings than all that the round tried, and next to nothing or by far
+    less than these (`LEADS`).
     """
-    promise: Literal["most", "little"] = "little"
     for floor in (c for c in found.put_off if c.beyond is None):
         tell(f"{floor.name}, on some swings")
         first = _on_some(simulator, found.onto, floor)
@@ -290,11 +286,9 @@ def floor_promises(
         noise = sum(found.onto.swing.residuals[i].size - 2 for i in chosen)
         left = _of_some(found.onto.swing, chosen) - first.gained
         least = min(_of_some(t.swing, chosen) for t in (found.onto, *found.trials))
-        if left < min(NEXT_TO_NOTHING * noise, least - PAYS):
-            return "all"
-        if left < min(LEADS * least, least - PAYS):
-            promise = "most"
-    return promise
+        if left < min(max(NEXT_TO_NOTHING * noise, LEADS * least), least - PAYS):
+            return True
+    return False
 
 
 def _fitted(

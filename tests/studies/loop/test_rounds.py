@@ -359,16 +359,16 @@ def test_a_corner_that_bounces_is_not_tried_where_a_softer_floor_leaves_nothing(
 @pytest.mark.parametrize(
     ("left", "other", "promises"),
     [
-        (1199.0, 1300.0, "all"),
-        (1201.0, 1300.0, "little"),  # of 1,000 numbers that are not taken up by where swings begin
-        (1000.0, 1059.0, "little"),  # what others leave is not more by as much as pays
-        (1000.0, 1061.0, "all"),
-        (1201.0, 3604.0, "most"),
-        (1201.0, 3602.0, "little"),  # not less than a third of what the best of the others leaves
-        (1340.0, 4500.0, "little"),  # which is the other one here
+        (1199.0, 1300.0, True),
+        (1201.0, 1300.0, False),  # of 1,000 numbers that are not taken up by where swings begin
+        (1000.0, 1059.0, False),  # what others leave is not more by as much as pays
+        (1000.0, 1061.0, True),
+        (1201.0, 3604.0, True),
+        (1201.0, 3602.0, False),  # not less than a third of what the best of the others leaves
+        (1340.0, 4500.0, False),  # which is the other one here
     ],
 )
-def test_a_floor_promises_to_explain_all_where_it_leaves_little_and_others_leave_more_or_most_where_far_more(
+def test_a_floor_promises_where_it_leaves_little_and_others_leave_more_or_far_more_than_it(
     monkeypatch, left, other, promises
 ):
     swing = SimpleNamespace(residuals=[np.zeros(252)] * 4, left=5000.0)
@@ -385,16 +385,16 @@ def test_a_floor_promises_to_explain_all_where_it_leaves_little_and_others_leave
 
     monkeypatch.setattr(tracing, "_on_some", first)
     others = [SimpleNamespace(swing=SimpleNamespace(left=value)) for value in (other, 4000.0)]
-    assert tracing.floor_promises(None, Round(onto, others, put_off=pool)) == promises
-    assert asked == ([floor] if promises == "all" else [floor, bed])
+    assert tracing.floor_promises(None, Round(onto, others, put_off=pool)) is promises
+    assert asked == ([floor] if promises else [floor, bed])
     noted = Round(onto, others, put_off=pool)
     tracing.floor_promises(None, noted)
     assert noted.begun["floor"].gained == 5000.0 - left
     gains["floor"], gains["bed"] = 0.0, gains["floor"]
-    assert tracing.floor_promises(None, Round(onto, others, put_off=pool)) == promises
-    assert tracing.floor_promises(None, Round(onto, others, put_off=pool[:1])) == "little"
+    assert tracing.floor_promises(None, Round(onto, others, put_off=pool)) is promises
+    assert not tracing.floor_promises(None, Round(onto, others, put_off=pool[:1]))
     monkeypatch.setattr(tracing, "_on_some", lambda *_: "no start led anywhere")
-    assert tracing.floor_promises(None, Round(onto, others, put_off=pool)) == "little"
+    assert not tracing.floor_promises(None, Round(onto, others, put_off=pool))
 
 
 def test_what_a_floor_was_asked_for_its_promise_is_not_asked_again(monkeypatch):

@@ -14,7 +14,7 @@ def ways(monkeypatch):
     """A search in which floors are put off at first, and each case says what is accepted and what that leaves."""
     told = SimpleNamespace(
         chance=True, explains=True, rounds=[], accepted={}, put_off=(SimpleNamespace(name="floor"),), whole=1.4,
-        trials={}, declared=True, term=False, promises="little", nothing=(),
+        trials={}, declared=True, term=False, promises=False, nothing=(),
     )  # fmt: skip
 
     def one_round(setup, onto, whole, pool, tell, known, later):
@@ -178,7 +178,7 @@ def test_one_effect_that_leaves_nothing_needs_no_floor(ways):
 @pytest.fixture
 def springs(ways, monkeypatch):
     """A floor on springs that promises to explain all that no other effect does, and does."""
-    ways.promises, ways.chance, ways.whole = "all", False, 1.0
+    ways.promises, ways.chance, ways.whole = True, False, 1.0
     ways.roughly = False
     floor = path_of("springs", costly=True)
     ways.accepted = {((), True): path_of("a"), ((), False): floor, (("a",), False): path_of("a", "springs")}
@@ -198,8 +198,8 @@ def test_a_floor_that_explains_all_by_itself_ends_the_search_before_others_are_a
 @pytest.mark.parametrize(
     "change",
     [
-        pytest.param({"promises": "little"}, id="not of some swings"),
-        pytest.param({"promises": "most", "explains": False}, id="it leaves as much as another effect"),
+        pytest.param({"promises": False}, id="not of some swings"),
+        pytest.param({"promises": True, "explains": False}, id="it leaves as much as another effect"),
         pytest.param({"declared": False}, id="the noise is estimated"),
         pytest.param({"nothing": [("a",)]}, id="another effect leaves nothing of the swings"),
         pytest.param({"nothing": [()]}, id="the calibrated block leaves nothing of the swings"),
@@ -216,7 +216,7 @@ def test_others_are_asked_first_where_a_floor_does_not_explain_all(springs, chan
 
 
 def test_a_floor_that_explains_by_far_more_than_others_is_gone_on_from(springs, monkeypatch):
-    springs.promises, springs.explains = "most", False
+    springs.promises, springs.explains = True, False
     springs.trials = {(): [path_of("a", chi2=1000.0)]}
     springs.accepted[((), False)] = floor = path_of("springs", costly=True, chi2=330.0)
     springs.accepted[((), True)] = path_of("a", chi2=1000.0)
@@ -247,7 +247,7 @@ def test_a_floor_that_explains_by_far_more_than_others_is_gone_on_from(springs, 
 
 
 def test_a_floor_that_explains_swings_and_misses_whole_records_is_not_gone_on_from(springs):
-    springs.promises, springs.whole = "most", 2.0
+    springs.promises, springs.whole = True, 2.0
     springs.trials = {(): [path_of("a", chi2=1000.0)]}
     springs.accepted[((), False)].swing.chi2 = 100.0
     searching.traced(setup_of(True), path_of(chi2=2000.0), lambda text: None)
@@ -255,7 +255,7 @@ def test_a_floor_that_explains_swings_and_misses_whole_records_is_not_gone_on_fr
 
 
 def test_one_coefficient_without_a_name_may_be_more_than_a_floor_that_leads(springs, monkeypatch):
-    springs.promises, springs.explains = "most", False
+    springs.promises, springs.explains = True, False
     springs.trials = {(): [path_of("a", chi2=1000.0)]}
     springs.accepted[((), False)] = path_of("springs", costly=True, chi2=100.0)
     other, seen = object(), []
