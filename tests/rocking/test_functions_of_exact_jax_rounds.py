@@ -341,7 +341,7 @@ def test_a_lane_is_moved_to_what_it_met_and_stays_what_it_is_otherwise() -> None
 def test_what_a_lane_met_is_counted_once_and_at_its_time() -> None:
     M = lanes_like(np.full(6, 0.1))
     struck = jax_rounds.Struck(np.zeros(6), np.zeros(6), np.zeros(6), np.full(6, 4))
-    on = jax_rounds.counted(M, found_like(WANTED, 0.2, M.x), struck, np.full(6, 7.5))
+    on = jax_rounds.counted(M, M, found_like(WANTED, 0.2, M.x), struck, np.full(6, 7.5), 0.23)
     assert on.passage.tolist() == [-1.0, -1.0, 7.5, -1.0, -1.0, -1.0]
     np.testing.assert_equal(on.onset_time, [math.nan, 7.5, *[math.nan] * 4])
     assert on.impacts.tolist() == [3, 3, 3, 3, 3, 8]
@@ -349,8 +349,18 @@ def test_what_a_lane_met_is_counted_once_and_at_its_time() -> None:
     assert on.stalls.tolist() == [2, 0, 2, 2, 2, 0]
     assert on.last.tolist() == [-4.0, 7.5, -4.0, 7.5, -4.0, 7.5]
     M = M._replace(last=np.full(6, 0.0), onset_time=np.full(6, 1.0))
-    on = jax_rounds.counted(M, found_like(WANTED, 0.2, M.x), struck, np.full(6, 0.9 * STALL_TIME))
+    on = jax_rounds.counted(M, M, found_like(WANTED, 0.2, M.x), struck, np.full(6, 0.9 * STALL_TIME), 0.23)
     assert on.stalls.tolist() == [2, 3, 2, 2, 2, 3] and (on.onset_time == 1.0).all()
+
+
+# Where no search found the passage and the tilt is beyond the balance all the same, it has passed it.
+def test_a_balance_that_rounding_passes_is_passed() -> None:
+    M = lanes_like([0.22, 0.22, 0.23, 0.22, 0.22], rests=np.array([False, False, False, True, False]))
+    on, nothing = M._replace(x=np.array([0.23, 0.229, 0.24, 0.23, 0.23])), [jax_rounds.NOTHING] * 5
+    f = found_like(nothing, 0.2, M.x, stays=np.array([False, False, False, False, True]))
+    struck = jax_rounds.Struck(np.zeros(5), np.zeros(5), np.zeros(5), np.zeros(5, dtype=int))
+    there = jax_rounds.counted(M, on, f, struck, np.full(5, 7.5), 0.23)
+    assert there.passage.tolist() == [7.5, -1.0, -1.0, -1.0, -1.0] and there.events.tolist() == [6, 5, 5, 5, 5]
 
 
 # Rounds to the end over a record and a sine: the impacts of the block that is followed by its closed forms.

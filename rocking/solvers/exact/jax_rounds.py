@@ -246,6 +246,8 @@ def searched(F: Fixed, base: Base, M: Moving, wave: bool) -> Found:
     reach = jnp.where(kind == NOTHING, step.h, at)
     step, kind, reach = lax.optimization_barrier((step, jnp.where(found, kind, NOTHING), reach))
     beyond = ~M.rests & (kind != PASSAGE) & (M.x < F.alpha) & (value(step.c, reach) >= F.alpha)
+    # Once: where rounding alone lifts the tilt above the balance, the second search may not find that either.
+    beyond &= jnp.isinf(M.cap)
     beyond, cap = lax.optimization_barrier((beyond, M.tau + reach))
     return Found(step, jnp.where(beyond, NOTHING, kind), jnp.where(beyond, 0.0, reach), beyond, cap)
 
@@ -276,16 +278,18 @@ def moved(F: Fixed, M: Moving, f: Found, struck: Struck) -> Moving:
     )
 
 
-def counted(M: Moving, f: Found, struck: Struck, now: Any) -> Moving:
-    """The lanes with what they have met in their sums."""
+def counted(M: Moving, on: Moving, f: Found, struck: Struck, now: Any, alpha: Any) -> Moving:
+    """The lanes `on` their way from M with what they have met in their sums."""
     lands, tips = f.kind == LANDING, f.kind == TIP
+    passes = (f.kind == PASSAGE) | (~M.rests & ~f.stays & (M.x < alpha) & (on.x >= alpha))
+    met = ((f.kind != NOTHING) & (f.kind != CREST)) | passes
     event = tips | lands
     stalls = jnp.where(now - M.last < STALL_TIME, M.stalls + 1, 0)
-    return M._replace(
-        passage=jnp.where(f.kind == PASSAGE, now, M.passage),
+    return on._replace(
+        passage=jnp.where(passes, now, M.passage),
         onset_time=jnp.where(tips & jnp.isnan(M.onset_time), now, M.onset_time),
         impacts=M.impacts + jnp.where(lands, 1 + struck.more, 0),
-        events=M.events + ((f.kind != NOTHING) & (f.kind != CREST)) + jnp.where(lands, struck.more, 0),
+        events=M.events + met + jnp.where(lands, struck.more, 0),
         stalls=jnp.where(event, stalls, M.stalls),
         last=jnp.where(event | (f.kind == FALL), now, M.last),
     )
@@ -296,7 +300,7 @@ def one_step(F: Fixed, base: Base, M: Moving, max_events: Any, wave: bool) -> Mo
     f = searched(F, base, M, wave)
     tau = M.tau + f.reach
     struck = lax.optimization_barrier(strike(F, M, f.step, f.reach, tau, max_events, wave))
-    on = counted(moved(F, M, f, struck), f, struck, moment(F, M.k, tau))
+    on = counted(M, moved(F, M, f, struck), f, struck, moment(F, M.k, tau), F.alpha)
     endings = (
         (f.kind == FALL, FELL),
         (on.stalls > MAX_STALLED, STALLED),

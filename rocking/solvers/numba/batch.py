@@ -26,7 +26,7 @@ from rocking.solvers.numba.functions import (
     size_of,
     system_functions,
 )
-from rocking.solvers.numba.parameters import shared_parameters, with_numbers
+from rocking.solvers.numba.parameters import shared_parameters
 from rocking.solvers.recording import FELL, REACHED_END, segment_edges
 from rocking.solvers.threads import over_runs
 from rocking.trajectory import BALANCE
@@ -48,10 +48,9 @@ def _loop_over_runs(functions: tuple[Any, ...], kind: Any, size: Size) -> Any:
         i = counter.take(taken)
         while i < end:
             q = Discrete(int(q0[i, 0]), q0[i, 1], q0[i, 2])
-            par = with_numbers(like, numbers[i], values[i])
             status, t, mode, _, peak, _, (times, codes, _, states) = run(
-                flow, guards, jump, balance, motion, y0[i], q, par, mpars[i], edges[i], steps[i], tol, np.empty(0),
-                most, n_guards, at,
+                flow, guards, jump, balance, motion, y0[i], q, like, numbers[i], values[i], mpars[i], edges[i],
+                steps[i], tol, np.empty(0), most, n_guards, at,
             )  # fmt: skip
             overturning, onset, impacts = math.nan, math.nan, 0
             for k in range(times.size):
@@ -70,12 +69,12 @@ def _loop_over_runs(functions: tuple[Any, ...], kind: Any, size: Size) -> Any:
     row, table = f8[::1], f8[:, ::1]
     pointers = [types.FunctionType(function.nopython_signatures[0]) for function in functions]
     flags, watched = types.boolean[::1], types.UniTuple(i8, 2)
-    par = parameter_type(kind, size)
+    like = parameter_type(kind, size, numbers=False)
     arguments = (
-        *pointers, table, table, par, table, f8[:, :, ::1], table, table, row, row, i8, i8, flags, watched, table,
+        *pointers, table, table, like, table, f8[:, :, ::1], table, table, row, row, i8, i8, flags, watched, table,
         i8[::1], i8,
     )  # fmt: skip
-    label = f"batch_{kind.__module__}_{kind.__qualname__}_{size.slots}_{size.width}".replace(".", "_")
+    label = f"batch_{kind.__module__}_{kind.__qualname__}_{size.slots}".replace(".", "_")
     return compiled(batch, arguments, label, [str(sys.modules[kind.__module__].__file__)])
 
 

@@ -17,7 +17,6 @@ class Size(NamedTuple):
 
     floats: int
     slots: int  # for hooks on the flow, and as many on the impact; 0 for a system without hooks
-    width: int  # numbers that each hook takes
 
 
 def motion_function(motion: BaseMotion) -> Any:
@@ -36,37 +35,44 @@ def _motion_function(kernel: Any, pitch: Any) -> Any:
 
 
 def compiled_parameters(par: Any) -> Any:
-    """The parameters of a system as compiled functions take them: floats, and hooks as pointers."""
+    """The parameters of a system as compiled functions take them: floats, and hooks as pointers, but for their numbers.
+
+    What these are a run is told beside it (`rocking.solvers.numba.parameters`).
+    """
     numbers = [float(value) for name, value in zip(par._fields, par, strict=True) if name != "hooks"]
     return type(par)(*numbers, compiled_hooks(par.hooks)) if hasattr(par, "hooks") else type(par)(*numbers)
 
 
 def compiled_hooks(hooks: Hooks) -> Hooks:
-    """The functions of the hooks compiled, and their numbers as floats."""
-    accelerations = tuple(_hook(function, 5, len(hooks.values[0])) for function in hooks.accelerations)
-    restitutions = tuple(_hook(function, 4, len(hooks.values[0])) for function in hooks.restitutions)
-    values = tuple(tuple(float(value) for value in row) for row in hooks.values)
-    return hooks._replace(accelerations=accelerations, restitutions=restitutions, values=values)
+    """The functions of the hooks compiled, without their numbers."""
+    accelerations = tuple(_hook(function, 5) for function in hooks.accelerations)
+    restitutions = tuple(_hook(function, 4) for function in hooks.restitutions)
+    return hooks._replace(accelerations=accelerations, restitutions=restitutions, values=())
 
 
-def _hook_signature(arity: int, width: int) -> Any:
+def _hook_signature(arity: int) -> Any:
     """Of an acceleration (theta, omega, s, base, values), or of a restitution (e, omega, s, values)."""
     from numba import types
 
     f8 = types.float64
     base = (types.NamedUniTuple(f8, 4, Base),) if arity == 5 else ()
-    return f8(f8, f8, f8, *base, types.UniTuple(f8, width))
+    return f8(f8, f8, f8, *base, types.CPointer(f8))
 
 
 @cache
-def _hook(function: Any, arity: int, width: int) -> Any:
+def _hook(function: Any, arity: int) -> Any:
     from rocking.solvers.numba.compiling import bound
 
-    return bound(function, arity, _hook_signature(arity, width), f"_{width}")
+    return bound(function, arity, _hook_signature(arity))
 
 
-def parameter_type(kind: Any, size: Size) -> Any:
-    """numba's type of the parameters: floats, then hooks if there are any slots for them."""
+def parameter_type(kind: Any, size: Size, numbers: bool = True) -> Any:
+    """numba's type of the parameters: floats, then hooks if there are any slots for them.
+
+    numbers: with those of the hooks, a pointer to the first of each.  A tuple of them all would be handed from function
+    to function number by number: most of what there is to compile, and code anew for each length; of arrays, threads
+    would count references to memory that they share.
+    """
     from numba import types
 
     # Pointers to functions are told apart by how their types are written, and that is without the module: the
@@ -75,16 +81,16 @@ def parameter_type(kind: Any, size: Size) -> Any:
     f8 = types.float64
     if size.slots == 0:
         return types.NamedUniTuple(f8, size.floats, kind)
-    pointers = [types.UniTuple(types.FunctionType(_hook_signature(arity, size.width)), size.slots) for arity in (5, 4)]
-    values = types.UniTuple(types.UniTuple(f8, size.width), 2 * size.slots)
+    pointers = [types.UniTuple(types.FunctionType(_hook_signature(arity)), size.slots) for arity in (5, 4)]
+    values = types.UniTuple(types.CPointer(f8), 2 * size.slots) if numbers else types.Tuple(())
     hooks = types.NamedTuple((*pointers, values, types.int64, types.int64), Hooks)
     return types.NamedTuple((*(f8,) * size.floats, hooks), kind)
 
 
 def size_of(par: Any) -> Size:
-    """How many floats, slots for hooks and numbers of a hook the parameters of a system have."""
+    """How many floats and slots for hooks the parameters of a system have."""
     hooks = getattr(par, "hooks", None)
-    return Size(len(par), 0, 0) if hooks is None else Size(len(par) - 1, len(hooks.accelerations), len(hooks.values[0]))
+    return Size(len(par), 0) if hooks is None else Size(len(par) - 1, len(hooks.accelerations))
 
 
 @cache
@@ -114,8 +120,9 @@ def system_functions(
         for function, arity, signature in zip((flow, guards, jump, balance), (4, 4, 5, 2), signatures, strict=True)
     )
     pointers = [types.FunctionType(signature) for signature in (*signatures, motion)]
-    arguments = (*pointers, row, q, par, row, row, f8, row, row, i8, i8, types.UniTuple(i8, 2))
-    label = f"integrate_{parameters.__module__}_{parameters.__qualname__}_{size.slots}_{size.width}".replace(".", "_")
+    like = parameter_type(parameters, size, numbers=False)
+    arguments = (*pointers, row, q, like, row, f8[:, ::1], row, row, f8, row, row, i8, i8, types.UniTuple(i8, 2))
+    label = f"integrate_{parameters.__module__}_{parameters.__qualname__}_{size.slots}".replace(".", "_")
     files = make_jitable(flow) | make_jitable(guards) | make_jitable(jump) | make_jitable(balance)
     loop = compiled(_copy(kernel.integrate), arguments, label, files)
     return functions, loop

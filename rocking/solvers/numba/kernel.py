@@ -11,6 +11,7 @@ import numba
 import numpy as np
 
 from rocking.hybrid import INADMISSIBLE, Discrete
+from rocking.solvers.numba.parameters import with_numbers
 from rocking.solvers.numba.runge_kutta import STAGES, base_at, dense, error_norm, step
 from rocking.solvers.recording import (
     CHECKS_PER_STEP,
@@ -196,11 +197,12 @@ def all_finite(y, base):
 
 
 def integrate(
-    flow, guards, jump, balance, motion, y0, q0, par, mpar, edges, max_step, tolerances, save_at, max_events, n_guards,
-    watched,
+    flow, guards, jump, balance, motion, y0, q0, like, numbers, values, mpar, edges, max_step, tolerances, save_at,
+    max_events, n_guards, watched,
 ):  # fmt: skip
     """Carry the system over the stretches between `edges`; see `rocking.solvers.numba.solver` for what comes back."""
     n = y0.size
+    par = with_numbers(like, numbers, values)
     rtol, atol = tolerances[0], tolerances[1]
     k, k_try = np.empty((STAGES, n)), np.empty((STAGES, n))
     stage, y_new, out, y_end = np.empty(n), np.empty(n), np.empty(n), np.empty(n)

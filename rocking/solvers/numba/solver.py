@@ -16,7 +16,8 @@ from rocking.arguments import writable
 from rocking.hybrid import Discrete, System
 from rocking.motion import BaseMotion
 from rocking.solvers.interrupts import uninterrupted
-from rocking.solvers.numba.functions import compiled_parameters, motion_function, size_of, system_functions
+from rocking.solvers.numba.functions import motion_function, size_of, system_functions
+from rocking.solvers.numba.parameters import shared_parameters
 from rocking.solvers.recording import segment_edges, trajectory
 from rocking.trajectory import Events, Trajectory
 
@@ -57,16 +58,20 @@ class NumbaEvents:
         par = system.parameters
         kind: Any = type(par)
         n_guards = len(system.guard_names)
+        size = size_of(par)
         functions, loop = system_functions(
-            system.flow, system.guards, system.jump, system.balance, kind, len(y0), size_of(par), n_guards
+            system.flow, system.guards, system.jump, system.balance, kind, len(y0), size, n_guards
         )
+        like, numbers, values = shared_parameters([system], size)
         status, t, last_mode, steps, peak, saved, table = uninterrupted(
             loop,
             *functions,
             motion_function(motion),
             np.array(y0, dtype=np.float64),
             _discrete(q0),
-            compiled_parameters(par),
+            like,
+            numbers[0],
+            values[0],
             writable(motion.parameters),
             segment_edges(motion, *t_span),
             float(motion.max_step),

@@ -27,7 +27,7 @@ from rocking.solvers.numba.functions import (
     size_of,
     system_functions,
 )
-from rocking.solvers.numba.parameters import shared_parameters, with_numbers
+from rocking.solvers.numba.parameters import shared_parameters
 from rocking.solvers.recording import FELL, REACHED_END, segment_edges
 from rocking.solvers.threads import over_runs
 
@@ -71,10 +71,9 @@ def _loop(functions: tuple[Any, ...], kind: Any, size: Size) -> Any:
         while i < end:
             q = Discrete(int(q0[i, 0]), q0[i, 1], q0[i, 2])
             system, base = index[i, 0], index[i, 1]
-            par = with_numbers(like, numbers[system], values[system])
             status, t, _, _, _, saved, (events, codes, _, _) = run(
-                flow, guards, jump, balance, motion, y0[i], q, par, mpars[base], edges[i], steps[base], tol,
-                times[first[i] : first[i + 1]], most, n_guards, at,
+                flow, guards, jump, balance, motion, y0[i], q, like, numbers[system], values[system], mpars[base],
+                edges[i], steps[base], tol, times[first[i] : first[i + 1]], most, n_guards, at,
             )  # fmt: skip
             count = saved[0].shape[0]
             y[first[i] : first[i] + count] = saved[0]
@@ -89,12 +88,12 @@ def _loop(functions: tuple[Any, ...], kind: Any, size: Size) -> Any:
     f8, i8 = types.float64, types.int64
     row, table = f8[::1], f8[:, ::1]
     pointers = [types.FunctionType(function.nopython_signatures[0]) for function in functions]
-    par = parameter_type(kind, size)
+    like = parameter_type(kind, size, numbers=False)
     arguments = (
-        *pointers, i8[:, ::1], table, table, par, table, f8[:, :, ::1], table, table, row, row, row, i8[::1], i8, i8,
+        *pointers, i8[:, ::1], table, table, like, table, f8[:, :, ::1], table, table, row, row, row, i8[::1], i8, i8,
         types.UniTuple(i8, 2), table, i8[::1], row, table, i8[::1], i8,
     )  # fmt: skip
-    label = f"windows_{kind.__module__}_{kind.__qualname__}_{size.slots}_{size.width}".replace(".", "_")
+    label = f"windows_{kind.__module__}_{kind.__qualname__}_{size.slots}".replace(".", "_")
     return compiled(windows, arguments, label, [str(sys.modules[kind.__module__].__file__)])
 
 
