@@ -5,7 +5,8 @@ acts in one or more of these ways, each a member that it overrides:
 
 - `acceleration(xp, theta, omega, s, base, values) -> theta''` [rad/s^2]: a plain function, added to the flow;
 - `restitution(xp, e, omega, s, values) -> e`: a plain function, applied at an impact to what the form gives;
-- `values(form)`: the numbers that these two take (the fields, if it does not say otherwise);
+- `values(form)`: the numbers that these two take by index (the fields, if it does not say otherwise); compiled code
+  does not know how many there are;
 - `form(form, block)`: shape and mass of the block, lever, lift-off;
 - `modes(method, form)`: other modes of motion, by another method;
 - `freedoms(system)`: further freedoms: a system with a longer state in place of that of `rocking.composed`;
