@@ -23,10 +23,10 @@ from rocking.solvers.numba.functions import (
     Size,
     motion_function,
     parameter_type,
+    shared_parameters,
     size_of,
     system_functions,
 )
-from rocking.solvers.numba.parameters import shared_parameters
 from rocking.solvers.recording import FELL, REACHED_END, segment_edges
 from rocking.solvers.threads import over_runs
 from rocking.trajectory import BALANCE

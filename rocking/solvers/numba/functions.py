@@ -1,14 +1,18 @@
-"""The functions of a system and of a motion, compiled for one kind of state and kept for the process.
+"""The functions of a system and of a motion, compiled for one kind of state and kept for the process; their parameters.
 
 What single runs (`rocking.solvers.numba.solver`) and batches (`rocking.solvers.numba.batch`) are made of.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
-from rocking.hybrid import Base, Discrete, Hooks
+import numpy as np
+from numpy.typing import NDArray
+
+from rocking.hybrid import Base, Discrete, Hooks, System
 from rocking.motion import BaseMotion, pitch_kernel
 
 
@@ -41,6 +45,29 @@ def compiled_parameters(par: Any) -> Any:
     """
     numbers = [float(value) for name, value in zip(par._fields, par, strict=True) if name != "hooks"]
     return type(par)(*numbers, compiled_hooks(par.hooks)) if hasattr(par, "hooks") else type(par)(*numbers)
+
+
+def shared_parameters(systems: Sequence[System], size: Size) -> tuple[Any, NDArray[np.float64], NDArray[np.float64]]:
+    """The parameters of the first system, compiled; the numbers of each, and those of its hooks.
+
+    Returns:
+        parameters: with the hooks, which all systems share, and without their numbers.
+        numbers: shape (system, size.floats).
+        values: shape (system, 2 size.slots, number); of no length without hooks.
+
+    Raises:
+        ValueError: the systems have different hooks, or of different lengths.
+    """
+    first = systems[0].parameters
+    numbers = np.array([s.parameters[: size.floats] for s in systems], dtype=np.float64)
+    if size.slots == 0:
+        return compiled_parameters(first), numbers, np.zeros((len(systems), 0, 0))
+    each = [s.parameters.hooks for s in systems]
+    if any(h._replace(values=()) != each[0]._replace(values=()) for h in each):
+        raise ValueError("systems: want the same effects on the equations of motion and on the impact in a batch")
+    if any(len(h.values[0]) != len(each[0].values[0]) for h in each):
+        raise ValueError("systems: want effects with as many numbers each in a batch")
+    return compiled_parameters(first), numbers, np.array([h.values for h in each], dtype=np.float64)
 
 
 def compiled_hooks(hooks: Hooks) -> Hooks:

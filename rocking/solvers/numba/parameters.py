@@ -11,46 +11,19 @@ Status   batches are single runs, bit for bit, and a second process compiles not
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
 from numba import types
 from numba.core import cgutils
 from numba.core.errors import RequireLiteralValue
 from numba.extending import intrinsic, overload
 from numba.np.arrayobj import make_array
 from numba.np.unsafe import ndarray
-from numpy.typing import NDArray
 
-from rocking.hybrid import Hooks, System
-from rocking.solvers.numba.functions import Size, compiled_parameters
+from rocking.hybrid import Hooks
 
 # An intrinsic, whose first argument numba gives.
 to_fixed_tuple: Any = ndarray.to_fixed_tuple
-
-
-def shared_parameters(systems: Sequence[System], size: Size) -> tuple[Any, NDArray[np.float64], NDArray[np.float64]]:
-    """The parameters of the first system, compiled; the numbers of each, and those of its hooks.
-
-    Returns:
-        parameters: with the hooks, which all systems share, and without their numbers.
-        numbers: shape (system, size.floats).
-        values: shape (system, 2 size.slots, number); of no length without hooks.
-
-    Raises:
-        ValueError: the systems have different hooks, or of different lengths.
-    """
-    first = systems[0].parameters
-    numbers = np.array([s.parameters[: size.floats] for s in systems], dtype=np.float64)
-    if size.slots == 0:
-        return compiled_parameters(first), numbers, np.zeros((len(systems), 0, 0))
-    each = [s.parameters.hooks for s in systems]
-    if any(h._replace(values=()) != each[0]._replace(values=()) for h in each):
-        raise ValueError("systems: want the same effects on the equations of motion and on the impact in a batch")
-    if any(len(h.values[0]) != len(each[0].values[0]) for h in each):
-        raise ValueError("systems: want effects with as many numbers each in a batch")
-    return compiled_parameters(first), numbers, np.array([h.values for h in each], dtype=np.float64)
 
 
 def with_numbers(like: Any, numbers: Any, values: Any) -> Any:

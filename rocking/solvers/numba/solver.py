@@ -16,8 +16,7 @@ from rocking.arguments import writable
 from rocking.hybrid import Discrete, System
 from rocking.motion import BaseMotion
 from rocking.solvers.interrupts import uninterrupted
-from rocking.solvers.numba.functions import motion_function, size_of, system_functions
-from rocking.solvers.numba.parameters import shared_parameters
+from rocking.solvers.numba.functions import motion_function, shared_parameters, size_of, system_functions
 from rocking.solvers.recording import segment_edges, trajectory
 from rocking.trajectory import Events, Trajectory
 

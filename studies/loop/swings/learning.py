@@ -54,7 +54,11 @@ FEW = 2
 """Coefficients and curves that are the better answer where they leave no more than noise, whatever else would."""
 
 LEAST_OF_ALL = 0.5
-"""Share of what is over the noise that `FEW` of them explain, or more are not looked for: what acts is in no span."""
+"""Share of what is over the noise that `FEW` of them explain, or a curve that bends to much, or more are not looked
+for: what acts is in no span."""
+
+LITTLE = 0.2
+"""The same share of a single one: of three things that act the greatest is a third."""
 
 HOPELESS = 1
 """Coefficients after which half of what is to be reached has to be."""
@@ -365,7 +369,7 @@ def _grown(
         gained = onto.swing.chi2 - current.swing.chi2
         if rival is not None and count >= HOPELESS and gained < 0.5 * (onto.swing.chi2 - rival.swing.chi2):
             break
-        if not _more_to_learn(current) or (count >= FEW and gained < LEAST_OF_ALL * (onto.swing.chi2 - _noise(onto))):
+        if not _more_to_learn(current) or gained < _least(onto, current) * (onto.swing.chi2 - _noise(onto)):
             break
         for pool, known in pools:
             if current.names not in known:
@@ -379,6 +383,14 @@ def _grown(
             break
         current = best
     return current
+
+
+def _least(onto: Trial, found: Trial) -> float:
+    """Share of what is over the noise that was to be explained so far, for more to be looked for."""
+    learned = found.parts[len(onto.parts) :]
+    if len(learned) >= FEW or any(len(part.parameters) > MANY for part in learned):
+        return LEAST_OF_ALL
+    return LITTLE if learned else 0.0
 
 
 def _more_to_learn(trial: Trial) -> bool:

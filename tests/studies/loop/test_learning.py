@@ -364,9 +364,16 @@ def test_states_that_go_on_are_not_tried_for_the_little_that_terms_leave(
     assert asked == [1, 2][:passes]
 
 
-@pytest.mark.parametrize(("second", "terms"), [(5600.0, 2), (5400.0, 4)])
-def test_no_third_coefficient_is_looked_for_where_two_explain_less_than_half(
-    monkeypatch: pytest.MonkeyPatch, second: float, terms: int
+# One of what explains a fifth at the least is gone on from, two of half, and a curve that bends to much of half.
+@pytest.mark.parametrize(
+    ("first", "second", "size", "terms"),
+    [
+        (8000.0, 5600.0, 1, 2), (8000.0, 5400.0, 1, 4), (8300.0, 5400.0, 1, 1), (8100.0, 5400.0, 4, 4),
+        (5600.0, 4500.0, 5, 1), (5400.0, 4500.0, 5, 4),
+    ],
+)  # fmt: skip
+def test_nothing_more_is_looked_for_where_little_is_explained(
+    monkeypatch: pytest.MonkeyPatch, first: float, second: float, size: int, terms: int
 ) -> None:
     """Noise leaves 980 of the 10,000 of the block itself, of 1000 samples in 10 windows: half is at 5,490."""
 
@@ -374,9 +381,11 @@ def test_no_third_coefficient_is_looked_for_where_two_explain_less_than_half(
         swing = SimpleNamespace(
             chi2=chi2, rms=math.sqrt(chi2 / 1000.0), samples=1000, windows=(None,) * 10, parameters=()
         )
-        return SimpleNamespace(names=("term",) * count, parts=(), swing=swing)
+        sizes = (size, *(1,) * (count - 1)) if count else ()
+        parts = tuple(SimpleNamespace(parameters=(None,) * n) for n in sizes)
+        return SimpleNamespace(names=("term",) * count, parts=parts, swing=swing)
 
-    left = [10000.0, 8000.0, second, 4000.0, 3000.0, 2000.0]
+    left = [10000.0, first, second, 4000.0, 3000.0, 2000.0]
     trials = [trial(count, chi2) for count, chi2 in enumerate(left)]
     monkeypatch.setattr(learning, "open_to", lambda trial, pool: ())
     monkeypatch.setattr(
