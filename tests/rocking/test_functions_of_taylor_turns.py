@@ -125,6 +125,18 @@ def test_a_block_over_a_record_leaves_where_the_line_through_the_samples_first_c
                     assert table[row.K, 3] == n
 
 
+# From the threshold itself to twice the other one: it stands up to there, two thirds of the way.
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_block_at_its_threshold_stands_until_the_other_one_is_crossed(side: float) -> None:
+    runs = runs_of(False)
+    table = begun(runs, 0, None)
+    turns.enter_record(table, 3, runs)
+    turns.be_in_interval(table, 3, runs.values, 0, 0.0, 0.02)
+    table[row.ONSET, 3], table[row.B0, 3], table[row.B1, 3] = 0.2, 0.2 * side, -0.4 * side
+    assert turns.exceeds(table, 3, runs, None)
+    assert table[row.TAU, 3] == pytest.approx(2.0 / 3.0 * 0.02, rel=1e-12) and table[row.S, 3] == side
+
+
 def test_a_block_over_a_sine_leaves_where_it_first_crosses() -> None:
     runs = runs_of(True)
     for run, (omega, phase, rate, duration), g in ((0, runs.motions[0], G), (1, runs.motions[1], 9.7)):

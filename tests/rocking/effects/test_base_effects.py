@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from excitation import PiecewiseLinear, RampedSinusoid, SampledMotion
 from rocking import Block, Method1, Outcome, scalars, solve, solve_batch
-from rocking.altered import AlteredMotion, table, table_value
+from rocking.altered import AlteredMotion, moving_part, table, table_value
 from rocking.effects import base_with, compose, load, parse
 from rocking.effects.table_pitch import filtered
 from rocking.effects.vertical_motion import second_harmonics
@@ -186,6 +186,18 @@ def test_a_rest_before_and_after_a_motion_changes_nothing_within_it() -> None:
         assert not whole[-500:].any()
     for part, whole in zip(second_harmonics(samples), second_harmonics(padded), strict=True):
         np.testing.assert_array_equal(whole[300:-500], part)
+
+
+# Of three samples that are not zero the rest is left out, of two not: splines want three.
+def test_a_motion_of_three_samples_is_one_and_of_two_is_none() -> None:
+    a = np.zeros(9)
+    assert moving_part(a) == slice(0, 9)
+    a[3:5] = 1.0, -2.0
+    assert moving_part(a) == slice(0, 9)
+    a[5] = 1e-3
+    assert moving_part(a) == slice(3, 6)
+    a[4] = 0.0
+    assert moving_part(a) == slice(3, 6)
 
 
 SHAPED = [
