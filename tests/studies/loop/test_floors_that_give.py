@@ -157,6 +157,7 @@ def test_whole_records_are_not_run_to_their_ends_where_their_beginnings_lead_bac
 
 
 @pytest.mark.slow
+@pytest.mark.slowest
 def test_a_bed_of_the_laboratory_is_led_from_one_minimum_along_the_floor_to_that_of_the_truth(tmp_path: Path) -> None:
     """Begun where search and whole records had ended, at 0.62 times the stiffness into the floor.
 
