@@ -37,6 +37,7 @@ from studies.loop.swings.learning import (
     learn,
     memories,
     profiles,
+    says_much,
     unnamed,
 )
 from studies.loop.swings.tracing import (
@@ -367,6 +368,8 @@ def _shaped(setup: Setup, plain: Trial, found: Trial, tell: Tell) -> tuple[Trial
     """What was learned with its fit on whole records, in the form that misses these least of those alike to swings."""
     whole = whole_fit(setup, found)
     if not setup.by_rotation or found.costly or whole.rms < MISSED or found.parts[-1].effect in FREEDOMS:
+        return found, whole
+    if not says_much(plain, found):  # of what acts it has no form
         return found, whole
     tell("asking whole records which form it has")
     less = taken_out(setup, plain, found, len(found.parts) - 1)

@@ -393,6 +393,11 @@ def _least(onto: Trial, found: Trial) -> float:
     return LITTLE if learned else 0.0
 
 
+def says_much(onto: Trial, found: Trial) -> bool:
+    """Whether what was learned explains as much of what is over the noise as something in the span should."""
+    return onto.swing.chi2 - found.swing.chi2 >= LEAST_OF_ALL * (onto.swing.chi2 - _noise(onto))
+
+
 def _more_to_learn(trial: Trial) -> bool:
     """Whether a term that lowers the rms of the swings enough would not bring it below that of noise."""
     return _over_noise(trial) * (1.0 - LEAST_GAIN) >= LEAST_LEFT
