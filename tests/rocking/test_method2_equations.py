@@ -254,6 +254,17 @@ def test_a_form_is_refused_from_the_friction_on_at_which_a_sliding_corner_jams(s
         Method2(block, friction=1.001 * most, g=G0, form=form)
 
 
+# A base that falls as fast as a block does carries nothing that could turn it over, nor does one that falls faster.
+@pytest.mark.parametrize("fall", [1.0, 1.2])
+def test_a_slide_on_a_base_that_falls_freely_is_ended_by_no_tip(fall: float) -> None:
+    system = Method2(Block(b=0.3, h=1.0), friction=0.5)
+    g = system.parameters.g
+    base, state = Base(0.7 * g, -fall * g, 0.0, 0.0), (0.0, 0.0, 0.0, 0.4, 0.0, 0.0)
+    values = system.guards(scalars, state, Discrete(Mode.SLIDE, 1.0, 1.0), base, system.parameters)
+    named = dict(zip(system.guard_names, values, strict=True))
+    assert named["tip"] == pytest.approx(g) and named["lift"] == pytest.approx((1.0 - fall) * g)
+
+
 @pytest.mark.parametrize("s", [1.0, -1.0])
 def test_the_anchor_of_rounded_edges_is_the_centre_of_the_edge(s: float) -> None:
     """It stands r over the lowest point, which is z above the floor, and rolls r theta on from where that one is."""
