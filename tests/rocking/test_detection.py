@@ -255,3 +255,11 @@ def test_a_fall_on_a_base_at_rest_tells_no_side():
     found = detect_overturning(t, np.where(t < 15.0, G, 0.0), a_x=np.zeros_like(t))
     assert found.time == pytest.approx(15.0, abs=0.011)
     assert found.side == 0
+
+
+# For a second it turns so fast that the pickup reads less than gravity, and then it lies: it stood before that second.
+def test_a_block_was_upright_until_its_pickup_last_read_gravity() -> None:
+    t = np.arange(0.0, 20.0, 0.005)
+    read = np.select([t < 2.0, t < 14.0, t < 15.0], [G, G + 0.2, G - 1.0], 0.0)
+    found = detect_overturning(t, read)
+    assert found.time == pytest.approx(15.0, abs=0.01) and found.upright_until == pytest.approx(14.0, abs=0.02)

@@ -128,6 +128,12 @@ def test_a_start_at_a_wall_meets_it_only_if_it_goes_there(omega: float, events: 
         assert times[0] == pytest.approx(0.0, abs=1e-9) and states[0, 1, 1] == pytest.approx(0.1, rel=1e-6)
 
 
+# What stands at its threshold all the time has not passed it.
+def test_a_guard_that_stays_at_zero_is_never_met() -> None:
+    status, t, *_, (times, *_) = run(guards=lambda y, q, base, par: (1.0, 0.0))
+    assert (status, t, len(times)) == (REACHED_END, 3.0, 0)
+
+
 # Two guards within one step: the earlier one, whichever stands first.
 @pytest.mark.parametrize("order", [(0.3, 0.5), (0.5, 0.3)])
 def test_of_two_events_the_earlier_comes_first(order: tuple[float, float]) -> None:
