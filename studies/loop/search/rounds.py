@@ -8,8 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from studies.loop.fits.fitting import Fit
 from studies.loop.models.candidates import Candidate
 from studies.loop.records.preparing import Setup
@@ -28,6 +26,9 @@ MOST_EFFECTS = 3
 
 MOST_EFFECTS_COSTLY = 2
 """The same where runs take long."""
+
+MUCH_OVER_NOISE = 1.5
+"""What a first effect leaves of swings, over what structure begins with, from which whole records are not asked."""
 
 NOTHING_LEFT = 1.02
 """Rms over the noise in the swings below which no third effect is looked for."""
@@ -165,9 +166,9 @@ def _round(
     return tried, accepted, confirmed
 
 
-def _missed_throughout(trial: Trial) -> bool:
-    """Whether swings are missed by far in the median."""
-    return float(np.median(trial.swing.by_window)) > MISSED_BY_FAR
+def _swings_show_more(setup: Setup, trial: Trial) -> bool:
+    """Whether swings leave so much over their noise that they show what else acts, or that another effect does."""
+    return not slips(trial) and over_noise(setup, trial) > MUCH_OVER_NOISE * structure(setup)
 
 
 def _accepted(
@@ -186,9 +187,9 @@ def _accepted(
         if gain(setup, whole, now) > LEAST_GAIN or not telling(now, reweighed(setup, whole, now)).any():
             accepted = best, now
     # Whole records are rugged: where swings say nothing, or one fit of whole records does not bear them out, or leaves
-    # far too much, these have more to say; not where most swings are missed by far, in which more is to be found first.
+    # far too much, these have more to say; not where swings leave much themselves, of which more is to be found first.
     # Floors that give begin there from swings alone, and have been fitted so.
-    unsettled = accepted is None or (accepted[1].rms > MISSED_BY_FAR and not _missed_throughout(accepted[0]))
+    unsettled = accepted is None or (accepted[1].rms > MISSED_BY_FAR and not _swings_show_more(setup, accepted[0]))
     if not setup.by_rotation or (best is not None and likely and (onto.parts or not unsettled or best.costly)):
         return accepted, ()
     tell("asking whole records")
