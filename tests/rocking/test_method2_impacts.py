@@ -234,6 +234,25 @@ def test_a_flat_landing_bounces_flat_unless_friction_trips_it(
         assert after.omega == pytest.approx(spin, abs=1e-10)
 
 
+# Without friction two impulses a half-breadth off the centre turn both velocities round to -e_n of what they were, as long
+# as neither has to pull: |omega| I_c/m < |v| b/2.  The corner that the state speaks of is the one that is left lower.
+@settings(max_examples=300)
+@given(sizes, signs, speeds, st.floats(-3.0, -0.5), st.floats(0.05, 0.95), signs, st.floats(0.1, 0.9))
+def test_a_flat_landing_without_friction_turns_its_velocities_round(
+    block: Block, s: float, u: float, v: float, share: float, sense: float, e_n: float
+) -> None:
+    system = Method2(block, friction=0.0, normal_restitution=e_n, g=G)
+    inertia = (block.b**2 + block.h**2) / 12.0
+    omega = sense * share * abs(v) * 0.5 * min(block.b / inertia, 4.0 / block.b)
+    assume(abs(omega) * 0.5 * block.b < 0.95 * abs(v) and e_n * (abs(v) - abs(omega) * 0.5 * block.b) > 1e-3)
+    before, after, q = strike(
+        system, s, 0.0, u, v - omega * s * 0.5 * block.b, omega, mode=Mode.ROTATION_JUMP, guard="contact"
+    )
+    assert before.z_dot == pytest.approx(v)
+    assert [after.x_dot, after.z_dot, after.omega] == pytest.approx([before.x_dot, -e_n * v, -e_n * omega], abs=1e-10)
+    assert (q.mode, q.s) == (Mode.ROTATION_JUMP, math.copysign(1.0, after.omega))
+
+
 @settings(max_examples=500)
 @given(sizes, speeds, approaches, st.floats(-0.5, 0.5), st.floats(0.0, 1.3), restitutions, st.floats(-1.0, 1.0))
 def test_a_landing_upright_does_not_depend_on_the_corner_that_the_state_speaks_of(
