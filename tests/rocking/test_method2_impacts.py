@@ -234,8 +234,8 @@ def test_a_flat_landing_bounces_flat_unless_friction_trips_it(
         assert after.omega == pytest.approx(spin, abs=1e-10)
 
 
-# Without friction two impulses a half-breadth off the centre turn both velocities round to -e_n of what they were, as long
-# as neither has to pull: |omega| I_c/m < |v| b/2.  The corner that the state speaks of is the one that is left lower.
+# Without friction two impulses a half-breadth off the centre turn both velocities round to -e_n of what they were, as
+# long as neither has to pull: |omega| I_c/m < |v| b/2.  The corner that the state speaks of is the one left lower.
 @settings(max_examples=300)
 @given(sizes, signs, speeds, st.floats(-3.0, -0.5), st.floats(0.05, 0.95), signs, st.floats(0.1, 0.9))
 def test_a_flat_landing_without_friction_turns_its_velocities_round(

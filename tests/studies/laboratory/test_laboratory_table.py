@@ -14,8 +14,8 @@ def motion() -> Motion:
     return ramp(np.random.default_rng(5), 1.7, 3.0)
 
 
-# Columns are a_x, a_z, pitch, its rate and its acceleration: each of the last two is the derivative of the one before.  A
-# record is integrated without its lowest frequencies, which its acceleration keeps: a hundredth here.
+# Columns are a_x, a_z, pitch, its rate and its acceleration: each of the last two is the derivative of the one before.
+# A record is integrated without its lowest frequencies, which its acceleration keeps: a hundredth here.
 @pytest.mark.parametrize("table", PITCHES, ids=["by acceleration", "by displacement", "heave"])
 @pytest.mark.parametrize("recorded", [False, True])
 def test_rate_and_acceleration_of_the_pitch_are_its_derivatives(table: Table, recorded: bool) -> None:
