@@ -277,6 +277,28 @@ def test_each_of_all_effects_together_acts(shaken: Any, name: str) -> None:
     assert np.max(np.abs(with_all.theta[:length] - without.theta[:length])) > 1e-6
 
 
+@pytest.mark.parametrize("other", ["quadratic_drag", "learned_curve"])
+def test_a_batch_of_different_effects_is_refused(other: str) -> None:
+    from rocking import solve_batch
+
+    method = Method1(Block(b=0.2, h=0.8))
+    systems = [compose(method, [load(name)(**PRESENT[name])]) for name in ("viscous_damping", other)]
+    with pytest.raises(ValueError, match="want the same effects"):
+        solve_batch(systems, theta=0.1, t_end=1.0)
+
+
+def test_a_batch_has_room_for_any_number_of_effects(shaken: Any) -> None:
+    from rocking import solve_batch
+
+    names = ("viscous_damping", "quadratic_drag", "tether", "learned_term", "learned_damping", "learned_curve")
+    method, motion = Method1(Block(b=0.2, h=0.8)), shaken()
+    effects = [load(name)(**PRESENT[name]) for name in names]
+    batch = solve_batch([compose(method, effects)], [motion], t_end=2.0, theta=[0.05, 0.1])
+    for i, theta in enumerate((0.05, 0.1)):
+        single = solve(method, motion, theta=theta, t_end=2.0, effects=effects)
+        assert (batch.peak_rotation[i], batch.impacts[i]) == (single.peak_rotation, len(single.impact_times))
+
+
 @pytest.mark.parametrize("name", TOGETHER)
 def test_a_run_of_a_batch_is_the_single_run(shaken: Any, name: str) -> None:
     from rocking import solve_batch
