@@ -67,8 +67,6 @@ def still(t: float, par: Any) -> tuple[float, float, float, float]:
 
 
 START = Discrete(2, 1.0, 1.0)
-HALF = 1.0 / 3.0
-"""Of pi: from cos = 1 to cos = 1/2, or on from there to -1/2."""
 
 
 def run(

@@ -144,8 +144,8 @@ def test_a_block_that_stands_tips_at_once_where_the_base_jumps(start: float) -> 
     assert (int(kind[0]), float(at[0]), bool(tips[0])) == (TIP, 0.0, True)
 
 
-# Rounding alone may lift a crest above the balance and the search for the passage not find it: of a million blocks one
-# had a GPU turn for ever in single precision.  States a few units of rounding beside where something happens.
+# Rounding alone may lift a crest above the balance and the search for the passage not find it: such a lane turned in a
+# circle.  States a few units of rounding beside where something happens.
 @pytest.mark.parametrize("wave", [False, True])
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 def test_no_lane_stands_still(precision: str, wave: bool) -> None:
