@@ -74,7 +74,26 @@ def compiled_hooks(hooks: Hooks) -> Hooks:
     """The functions of the hooks compiled, without their numbers."""
     accelerations = tuple(_hook(function, 5) for function in hooks.accelerations)
     restitutions = tuple(_hook(function, 4) for function in hooks.restitutions)
+    swing = (np.float64(0.1), np.float64(0.1), np.float64(1.0))
+    for function, row in zip((*hooks.accelerations, *hooks.restitutions), hooks.values, strict=True):
+        _check_reach(function, swing if function in hooks.restitutions else (*swing, Base(0.0, 0.0, 0.0, 0.0)), row)
     return hooks._replace(accelerations=accelerations, restitutions=restitutions, values=())
+
+
+_within_reach: set[tuple[Any, int]] = set()
+
+
+def _check_reach(function: Any, arguments: tuple[Any, ...], row: Sequence[float]) -> None:
+    """ValueError where a hook takes a number beyond its own: compiled code would go on reading what lies behind."""
+    if (function, len(row)) in _within_reach:
+        return
+    try:
+        with np.errstate(all="ignore"):
+            function(np, *arguments, tuple(map(np.float64, row)))
+    except IndexError:
+        name = f"{function.__module__}.{function.__qualname__}"
+        raise ValueError(f"{name}: takes a number beyond the {len(row)} that there are of its effect") from None
+    _within_reach.add((function, len(row)))
 
 
 def _hook_signature(arity: int) -> Any:

@@ -287,6 +287,20 @@ def test_a_batch_of_different_effects_is_refused(other: str) -> None:
         solve_batch(systems, theta=0.1, t_end=1.0)
 
 
+def test_a_hook_that_takes_a_number_too_many_is_refused(shaken: Any) -> None:
+    from rocking.effects import viscous_damping
+
+    class Greedy(viscous_damping.ViscousDamping):
+        acceleration = staticmethod(greedy)
+
+    with pytest.raises(ValueError, match=r"greedy: takes a number beyond the 4 that there are of its effect"):
+        solve(Method1(Block(b=0.2, h=0.8)), None, theta=0.1, t_end=1.0, effects=[Greedy(0.1)], solver="numba")
+
+
+def greedy(xp: Any, theta: Any, omega: Any, s: Any, base: Any, values: Any) -> Any:
+    return -values[4] * omega
+
+
 def test_a_batch_has_room_for_any_number_of_effects(shaken: Any) -> None:
     from rocking import solve_batch
 
