@@ -169,11 +169,8 @@ def _remember_addresses(dispatcher: Any) -> None:
         library.get_pointer_to_function = cache(library.get_pointer_to_function)
 
 
-def bound(function: Any, arity: int, signature: Any, suffix: str = "") -> Any:
-    """`function(xp, ...)` of the physics as a compiled function of its other arguments.
-
-    suffix: added to the name, where one function is compiled for several signatures.
-    """
+def bound(function: Any, arity: int, signature: Any) -> Any:
+    """`function(xp, ...)` of the physics as a compiled function of its other arguments."""
     files = make_jitable(function)
     xp = namespace
     bodies: dict[int, Callable[..., Any]] = {
@@ -181,7 +178,7 @@ def bound(function: Any, arity: int, signature: Any, suffix: str = "") -> Any:
         4: lambda a, b, c, d: function(xp, a, b, c, d),
         5: lambda a, b, c, d, e: function(xp, a, b, c, d, e),
     }
-    return compiled(bodies[arity], signature, _label(function, arity) + suffix, files, keep=_importable(function))
+    return compiled(bodies[arity], signature, _label(function, arity), files, keep=_importable(function))
 
 
 def bound_motion(kernel: Any, pitch: Any, signature: Any) -> Any:
