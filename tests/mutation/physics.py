@@ -193,8 +193,17 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("excitation/units.py", ("test_readers", "test_record")),
     ("excitation/rotation.py", ("test_processing", "test_record")),
     ("excitation/*.py", ("test_processing", "test_synthetic", "test_motion_contract")),
-    ("studies/laboratory/slip.py", ("laboratory/test_laboratory_slip", "laboratory/test_laboratory_campaigns")),
-    ("studies/laboratory/contact.py", ("laboratory/test_laboratory_contact", "laboratory/test_laboratory_campaigns")),
+    *(
+        (
+            f"studies/laboratory/{name}.py",
+            (
+                f"laboratory/test_functions_of_laboratory_{name}",
+                f"laboratory/test_laboratory_{name}",
+                "laboratory/test_laboratory_campaigns",
+            ),
+        )
+        for name in ("event", "slip", "contact")
+    ),
     ("studies/laboratory/by_dem.py", ("laboratory/test_laboratory_by_dem",)),
     ("studies/laboratory/by_mujoco.py", ("laboratory/test_laboratory_by_mujoco",)),
     (
