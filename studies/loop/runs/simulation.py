@@ -53,7 +53,7 @@ FEWEST_EVENTS, SMALLEST = 3_000, 1e-4
 through so small a share of its slenderness."""
 
 HISTORY = 6
-"""Peaks before a window over which slip is carried: it is forgotten once the corner sticks."""
+"""Peaks before a window over which slip is carried at the most: it is forgotten once the corner sticks."""
 
 FORGOTTEN = 4.0
 """Times in which a motion dies away by e after which it is forgotten: 2 % are left."""
@@ -305,20 +305,23 @@ class Simulator:
         """What a rotation does not show of the state at the start of each job: slip and height of the corner, impacts.
 
         A block that slips forgets how fast it did: it is run from peak to peak of the record, each time from the
-        rotation that was measured there, and what the run says of the rest is carried over.  One that bounces on a
-        soft floor forgets the sooner, the more is lost in it.  What swings inside of a block or yields beside it is
-        carried from the start of the record on.
+        rotation that was measured there, and what the run says of the rest is carried over; where its corner sticks at
+        the last peak but one, nothing is from before.  One that bounces on a soft floor forgets the sooner, the more is
+        lost in it.  What swings inside of a block or yields beside it is carried from the start of the record on.
         """
-        legs: dict[_Leg, tuple[Peak, _Leg | None]] = {}
-        lasts = [self._reached(models[job.model], job, legs) for job in jobs]
-        was = _true_peaks(models, legs)
         known: dict[_Leg, dict[str, Any]] = {}
-        for depth in range(max((leg.depth for leg in legs), default=-1) + 1):
-            now = [(leg, before) for leg, (_, before) in legs.items() if leg.depth == depth]
-            runs = [Job(leg.model, leg.test, np.array([leg.stop]), *was[leg]) for leg, _ in now]
-            states = [known[before] if before is not None else {} for _, before in now]
-            for (leg, _), answer in zip(now, self._run(models, runs, states), strict=True):
-                known[leg] = _beside_rotation(models[leg.model].system, answer)
+        tried = {
+            i: _Leg(job.model, job.test, job.history[-2].time, 0, job.history[-1].time)
+            for i, job in enumerate(jobs)
+            if len(job.history) > 1 and isinstance(models[job.model].system, Method2 | ComposedMethod2)
+        }
+        self._follow(models, {leg: (jobs[i].history[-2], None) for i, leg in tried.items()}, known)
+        legs: dict[_Leg, tuple[Peak, _Leg | None]] = {}
+        lasts = []
+        for i, job in enumerate(jobs):
+            sticks = i in tried and not known[tried[i]]
+            lasts.append(self._reached(models[job.model], job, legs, 1 if sticks else HISTORY))
+        self._follow(models, legs, known)
         remembers = [isinstance(model.system, RememberingBlock) for model in models]
         return [
             _remembered(models[job.model].system, job.struck)
@@ -329,10 +332,28 @@ class Simulator:
             for job, last in zip(jobs, lasts, strict=True)
         ]
 
-    def _reached(self, model: LoopModel, job: Job, legs: dict[_Leg, tuple[Peak, _Leg | None]]) -> _Leg | None:
+    def _follow(
+        self, models: Sequence[LoopModel], legs: Mapping[_Leg, tuple[Peak, _Leg | None]],
+        known: dict[_Leg, dict[str, Any]],
+    ) -> None:  # fmt: skip
+        """Put in `known` what a rotation does not show at the end of each leg, one after the other along a way."""
+        legs = {leg: way for leg, way in legs.items() if leg not in known}
+        was = _true_peaks(models, legs)
+        for depth in range(max((leg.depth for leg in legs), default=-1) + 1):
+            now = [(leg, before) for leg, (_, before) in legs.items() if leg.depth == depth]
+            runs = [Job(leg.model, leg.test, np.array([leg.stop]), *was[leg]) for leg, _ in now]
+            states = [known[before] if before is not None else {} for _, before in now]
+            for (leg, _), answer in zip(now, self._run(models, runs, states), strict=True):
+                known[leg] = _beside_rotation(models[leg.model].system, answer)
+
+    def _reached(
+        self, model: LoopModel, job: Job, legs: dict[_Leg, tuple[Peak, _Leg | None]], slips_over: int = HISTORY
+    ) -> _Leg | None:
         """The last of the legs by which a job is reached, all of them put in `legs`; none where it begins with all.
 
         With each leg go the peak where it begins and the leg before it.  Windows of one record share theirs.
+
+        slips_over: peaks over which the slip of a block is carried that slips.
         """
         history, system = job.history, model.system
         if isinstance(system, WITHIN):
@@ -343,7 +364,7 @@ class Simulator:
         elif isinstance(system, BlockOnSoftFloor):
             history = _not_forgotten(system, history, job.start)
         else:
-            history = history[-HISTORY:] if isinstance(system, Method2 | ComposedMethod2) else ()
+            history = history[-slips_over:] if isinstance(system, Method2 | ComposedMethod2) else ()
         if not history:
             return None
         stops = [*(peak.time for peak in history[1:]), job.start]

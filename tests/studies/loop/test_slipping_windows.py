@@ -97,6 +97,41 @@ def test_slip_at_the_start_of_a_window_is_that_of_the_block(tests: list[Test], w
     assert np.quantile(np.abs(found - true), 0.8) < 0.03
 
 
+def test_a_block_that_does_not_slip_is_run_from_peak_to_peak_once(
+    tests: list[Test], windows: list[Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Windows one after another share these runs; each by itself would take six."""
+    ran: list[int] = []
+    run = Simulator._run
+
+    def counted(self: Any, models: Any, jobs: Any, carried: Any) -> Any:
+        ran.append(len(jobs))
+        return run(self, models, jobs, carried)
+
+    monkeypatch.setattr(Simulator, "_run", counted)
+    early = windows[:12]  # while the ramp is low
+    states = Simulator(tests)._carried([model(1.3)], jobs_of(early, 0))
+    assert not any(states)
+    assert len(early) - 1 <= sum(ran) <= len(early) + 1
+
+
+def test_slip_is_what_it_would_be_if_each_window_were_reached_over_six_swings(
+    tests: list[Test], windows: list[Any]
+) -> None:
+    simulator, jobs = Simulator(tests), jobs_of(windows, 0)
+    for friction in (0.9 * FRICTION, FRICTION, 1.2 * FRICTION):
+        slippery = [model(friction)]
+        legs: Any = {}
+        lasts = [simulator._reached(slippery[0], job, legs) for job in jobs]
+        known: Any = {}
+        simulator._follow(slippery, legs, known)
+        wanted = np.array([known[leg].get("u", 0.0) if leg is not None else 0.0 for leg in lasts])
+        found = np.array([state.get("u", 0.0) for state in simulator._carried(slippery, jobs)])
+        assert np.sum(np.abs(wanted) > 0.1) > 5
+        # One that a swing begun without slip has brought to stick, and one begun with it has not, is rare.
+        assert np.mean(np.abs(found - wanted) > 1e-6) < 0.05
+
+
 def test_friction_is_measured_where_half_of_the_windows_slip(tests: list[Test], windows: list[Any]) -> None:
     found = fit(Simulator(tests), model(0.68), [MU], windows)
     assert found.model.get("sliding.friction") == pytest.approx(FRICTION, rel=0.01)
