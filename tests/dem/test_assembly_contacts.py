@@ -217,6 +217,20 @@ def test_cells_of_the_search_are_as_wide_as_a_typical_body():
     assert assembly_setup.cell_size(scene, 0.004) == pytest.approx(diagonal + 0.008)
 
 
+@pytest.mark.parametrize(("floor", "lowest"), [(True, 0.0), (False, 0.4)])
+def test_a_body_in_the_air_may_fall_as_low_as_the_floor_or_what_there_is(floor, lowest):
+    """A wall from 0.4 m up under a block that hangs over it: by how much that falls bounds its speed."""
+    ledge = dem.wall([(-0.5, 0.4), (0.5, 0.4), (0.5, 0.5), (-0.5, 0.5)])
+    scene = dem.Assembly((dem.block(B, H, D, DENSITY, z=1.0),), (ledge,), floor=floor, standing=False)
+    assert assembly_setup.lowest_to_meet(scene) == pytest.approx(lowest, abs=1e-12)
+
+
+def test_a_body_may_fall_into_a_pit_below_the_floor():
+    ledge = dem.wall([(0.5, -0.4), (1.5, -0.4), (1.5, -0.3), (0.5, -0.3)])
+    scene = dem.Assembly((dem.block(B, H, D, DENSITY, z=1.0),), (ledge,), standing=False)
+    assert assembly_setup.lowest_to_meet(scene) == pytest.approx(-0.4, abs=1e-12)
+
+
 def test_blocks_of_a_column_are_named_from_below():
     names = {count: dem.column(count, B, H, D, DENSITY).names for count in (1, 2, 3, 4)}
     assert names[1] == ("block",) and names[2] == ("lower block", "upper block")

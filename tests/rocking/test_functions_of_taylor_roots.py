@@ -92,6 +92,18 @@ def test_a_walk_finds_the_first_root_of_the_lanes_that_are_asked_for() -> None:
         assert found[lane] == pytest.approx(first_root(column(q, lane), 0.8) if asked else np.inf, rel=1e-11)
 
 
+# A parabola that dips below the floor and is back above it at the end of the step, and one that stays just above.
+@pytest.mark.parametrize(("least", "lands"), [(-0.01, True), (0.01, False)])
+def test_a_hollow_flight_lands_where_its_least_height_is_below_the_floor(least: float, lands: bool) -> None:
+    lowest, bend = np.linspace(0.1, 0.25, LANES), 4.0  # time [s] at which it is least
+    tail = [lanes_of(1e-3)] * (DEGREE - 2)
+    q = [lanes_of(least + bend * lowest**2), lanes_of(-2.0 * bend * lowest), lanes_of(bend), *tail]
+    found = roots.first_landing(q, q[0], lanes_of(0.4), EVERY, np.zeros((roots.SCRATCH, LANES)))
+    for lane in range(LANES):
+        assert np.isfinite(found[lane]) == lands
+        assert found[lane] == pytest.approx(first_root(column(q, lane), 0.4), rel=1e-11)
+
+
 # Flights of every kind, near the floor or on it; those that are not near are left alone.
 @pytest.mark.parametrize("seed", range(60))
 def test_a_flight_lands_where_numpy_finds_its_first_root(seed: int) -> None:

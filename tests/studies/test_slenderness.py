@@ -31,6 +31,11 @@ def test_the_frequency_from_which_all_rock_first_is_the_lowest_above_every_one_t
     np.testing.assert_array_equal(from_which(ds), [expected for _, expected in lasting.values()])
 
 
+def test_the_study_looks_every_fifth_of_a_hertz_up_to_five():
+    """Its statements name the lowest frequency: what lies between two of them it does not say."""
+    assert Plan().frequencies == pytest.approx(np.linspace(0.2, 5.0, 25), rel=1e-12)
+
+
 def _plan(friction):
     plan = Plan(frequencies=(3.0,))
     return replace(plan, settings=replace(plan.settings, duration=20.0, friction=friction))
