@@ -55,10 +55,6 @@ MOST_IN_PLACE_OF_THE_FIRST = 2
 
 NOT_ON_TOP = "floors that give were not tried on top of this; runs take long"
 
-MUCH_OVER_NOISE = 1.5
-"""What is left of swings over their noise, where it is told but roughly how they begin, up to which whole records are
-asked."""
-
 ONE_TERM = "one coefficient without a name leaves nothing over the noise, nor of whole records; runs take long"
 
 OF_THE_ROTATION_SENSOR = ("rotation_gain", "rotation_offset")
@@ -164,9 +160,11 @@ def _one_term_is_enough(setup: Setup, plain: Trial, tell: Tell) -> bool:
 
 
 def _enough(setup: Setup, term: Trial) -> Fit | None:
-    """The fit of a coefficient on whole records, if it explains them and the swings."""
-    most = MUCH_OVER_NOISE if begins_roughly(term) else unexplained(setup)
-    if over_noise(setup, term) > most:
+    """The fit of a coefficient on whole records, if it explains them and the swings.
+
+    Of one by which it is told but roughly how a swing begins, whole records alone have a say.
+    """
+    if not begins_roughly(term) and over_noise(setup, term) > unexplained(setup):
         return None
     whole = whole_fit(setup, term)
     return whole if whole.rms < (MISSED if by_chance(setup, term) else CLOSELY) else None

@@ -641,9 +641,9 @@ def test_two_names_that_explain_all_give_way_to_one_coefficient_that_whole_recor
     assert term.searched().term is term.found
 
 
-@pytest.mark.parametrize(("left", "its_whole", "taken"), [(1.3, 1.0, True), (1.3, 1.2, False), (1.6, 1.0, False)])
+@pytest.mark.parametrize(("left", "its_whole", "taken"), [(1.3, 1.0, True), (5.8, 1.014, True), (1.3, 1.2, False)])
 def test_behind_a_sensor_with_play_whole_records_say_what_swings_leave(term, left, its_whole, taken):
-    """Play of 2.2 mrad left 1.22 of the noise of swings: where in the gap they begin is told but roughly."""
+    """Play of 2.2 mrad left 1.22 of the noise of swings, of 4.8 mrad 5.8: where they begin is told but roughly."""
     term.left, term.its_whole = left, its_whole
     term.found.parts[0].parameters = (SimpleNamespace(name=remaining.PLAY),)
     assert (term.searched().term is term.found) is taken
