@@ -30,6 +30,7 @@ RIVALS = {"compliant_base", "sliding", "base_tilt", "viscous_damping", "base_mot
 
 
 @pytest.mark.slow
+@pytest.mark.slowest
 def test_a_stiff_floor_is_found(tmp_path, monkeypatch):
     truth = make_campaign(2001, ["compliant_base"], tmp_path)
     monkeypatch.setattr(
