@@ -36,7 +36,7 @@ def test_a_block_on_an_edge_that_holds_or_slips_obeys_newton_seen_from_the_groun
 
 @pytest.mark.parametrize("state", STATES)
 def test_a_block_on_its_base_obeys_newton_seen_from_the_ground(state: int) -> None:
-    """Flat on the floor, on which it slides or not; a block with sharp corners, since both are down."""
+    """Flat on the floor, on which it slides or not; how round its edges are does not matter."""
     rng = np.random.default_rng(state)
     c, x, sense = cubics(rng), rng.uniform(0.0, 0.1), float(rng.choice([-1, 0, 1]))
     S, V = rng.uniform(-0.1, 0.1), sense * rng.uniform(0.0, 0.5)

@@ -128,8 +128,8 @@ def test_slip_is_what_it_would_be_if_each_window_were_reached_over_six_swings(
         wanted = np.array([known[leg].get("u", 0.0) if leg is not None else 0.0 for leg in lasts])
         found = np.array([state.get("u", 0.0) for state in simulator._carried(slippery, jobs)])
         assert np.sum(np.abs(wanted) > 0.1) > 5
-        # One that a swing begun without slip has brought to stick, and one begun with it has not, is rare.
-        assert np.mean(np.abs(found - wanted) > 1e-6) < 0.05
+        # A swing begun without slip that ends sticking, and one begun with it that does not, could be: none is here.
+        assert found == pytest.approx(wanted, abs=1e-6)
 
 
 def test_friction_is_measured_where_half_of_the_windows_slip(tests: list[Test], windows: list[Any]) -> None:
