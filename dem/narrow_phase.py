@@ -361,7 +361,7 @@ def make_lists(bodies, outline, old, lists, grid, cell, movable, materials, judg
     if pairs < 0 or pairs > lists.pair.shape[1] - 1:
         return False
     in_order(grid.found, pairs, lists.row, lists.pair[q.FIRST], lists.pair[q.SECOND])
-    count = 0
+    count = np.int64(0)  # of a plain 0 numba compiles all that takes it anew
     for p in range(pairs):
         a, b = lists.pair[q.FIRST, p], lists.pair[q.SECOND, p]
         lists.pair[q.START, p] = count

@@ -35,6 +35,13 @@ limits: Any = numba.njit(error_model="numpy")(inner_limits)
 
 
 @numba.njit(error_model="numpy")
+def write(row, out):
+    """Write a row into the beginning of another one: for a slice numba would compile the words of an error, too."""
+    for j in range(row.size):
+        out[j] = row[j]
+
+
+@numba.njit(error_model="numpy")
 def negative_guard(values, n):
     """Index of the first guard below zero, or -1."""
     for k in range(n):
@@ -86,7 +93,7 @@ def first_event(guards, motion, n_guards, t, h, y, y_new, q, par, mpar, low, hig
     for check in range(1, CHECKS_PER_STEP + 1):
         a, b = (check - 1) / CHECKS_PER_STEP, check / CHECKS_PER_STEP
         if check == CHECKS_PER_STEP:
-            out[:] = y_new
+            write(y_new, out)
         else:
             dense(y, h, b, k, out)
         values = guards(out, q, base_at(motion, t + b * h, low, high, mpar), par)
@@ -109,7 +116,7 @@ def polish(flow, guards, motion, kg, share, t, h, y, q, par, mpar, low, high, k,
     ahead = guard_at(guards, motion, kg, min(share + d, 1.0), t, h, y, q, par, mpar, low, high, k, out)
     behind = guard_at(guards, motion, kg, max(share - d, 0.0), t, h, y, q, par, mpar, low, high, k, out)
     slope = (ahead - behind) / ((min(share + d, 1.0) - max(share - d, 0.0)) * h)
-    k_try[0] = k[0]
+    write(k[0], k_try[0])
     tau = share * h
     for _ in range(4):
         step(flow, motion, t, y, tau, q, par, mpar, low, high, k_try, stage, out)
@@ -165,8 +172,8 @@ def record(count, table_t, table_i, table_s, table_y, t, kg, q_before, q, y_befo
     table_t[i] = t
     table_i[i, 0], table_i[i, 1], table_i[i, 2] = kg, q_before.mode, q.mode
     table_s[i] = q.s
-    table_y[i, 0] = y_before
-    table_y[i, 1] = y
+    write(y_before, table_y[i, 0])
+    write(y, table_y[i, 1])
     count[1] = i + 1
 
 
@@ -176,7 +183,7 @@ def save_until(count, save_at, saved_y, saved_i, saved_s, t, h, until, y, q, k, 
     while count[0] < save_at.size and save_at[count[0]] <= until:
         i = count[0]
         dense(y, h, (save_at[i] - t) / h, k, out)
-        saved_y[i] = out
+        write(out, saved_y[i])
         saved_i[i] = q.mode
         saved_s[i] = q.s
         count[0] = i + 1
@@ -186,14 +193,17 @@ def save_until(count, save_at, saved_y, saved_i, saved_s, t, h, until, y, q, k, 
 def grown(table):
     """The table in an array twice as long."""
     bigger = np.empty((2 * table.shape[0], *table.shape[1:]), table.dtype)
-    bigger[: table.shape[0]] = table
+    write(table.ravel(), bigger.ravel())
     return bigger
 
 
 @numba.njit(error_model="numpy")
 def all_finite(y, base):
     """Whether state and base acceleration are finite."""
-    return np.all(np.isfinite(y)) and np.isfinite(base.a_x) and np.isfinite(base.a_z)
+    finite = np.isfinite(base.a_x) and np.isfinite(base.a_z)
+    for j in range(y.size):
+        finite = finite and np.isfinite(y[j])
+    return finite
 
 
 def integrate(
@@ -213,7 +223,8 @@ def integrate(
     t, h, last_event, status = edges[0], FIRST_STEP, -np.inf, REACHED_END
     peak = abs(y[watched[0]])
     while count[0] < save_at.size and save_at[count[0]] <= t:
-        saved_y[count[0]], saved_i[count[0]], saved_s[count[0]] = y, q.mode, q.s
+        write(y, saved_y[count[0]])
+        saved_i[count[0]], saved_s[count[0]] = q.mode, q.s
         count[0] += 1
     for stretch in range(edges.size - 1):
         stop = edges[stretch + 1]
@@ -230,7 +241,7 @@ def integrate(
                     status = NOT_FINITE
                     break
                 kg = negative_guard(guards(y, q, base, par), n_guards)
-                y_end[:] = y
+                write(y, y_end)
                 slope = flow(y, q, base, par)
                 for j in range(n):
                     k[0, j] = slope[j]
@@ -249,7 +260,7 @@ def integrate(
                     continue
                 count[2] += 1
                 kg, share = first_event(guards, motion, n_guards, t, h, y, y_new, q, par, mpar, low, high, k, out)
-                y_end[:] = y_new
+                write(y_new, y_end)
                 tau = h
                 if kg >= 0:
                     tau = polish(
@@ -261,11 +272,11 @@ def integrate(
                 peak = max(peak, peak_in_step(watched, tau / h, h, y, y_end, k, out))
                 x = balance_passage(balance, tau / h, h, y, y_end, par, k, out)
                 if x >= 0.0:
-                    record(count, table_t, table_i, table_s, table_y, t + x * h, BALANCE, q, q, out, out)
+                    record(count, table_t, table_i, table_s, table_y, t + x * h, np.int64(BALANCE), q, q, out, out)
                 t = until
                 h = h * min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
-                y[:] = y_end
-                k[0] = k[STAGES - 1]
+                write(y_end, y)
+                write(k[STAGES - 1], k[0])
                 fresh = kg >= 0
             if kg >= 0:
                 q_before = q

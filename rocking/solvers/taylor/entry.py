@@ -1,6 +1,8 @@
 """The compiled entries of the Taylor solver: linear and nonlinear block, record and sinusoid, many runs and one.
 
-Each is compiled once for arrays of plain numbers and kept on disk (`rocking.solvers.numba.compiling`).
+Each is compiled once for arrays of plain numbers and kept on disk (`rocking.solvers.numba.compiling`).  A number
+written into a call has numba compile a function for that number alone, and all that it hands it on to: what serves one
+lane and all, or a first time and others, is given such numbers as those of numpy, which leaves a third less to compile.
 """
 
 from __future__ import annotations
@@ -30,7 +32,7 @@ SHARE = 3
 def next_run(t, lane, runs, run, form, wave):
     """Put the next run that takes longer than its begin into a lane; the number of the one after it."""
     while run < runs.pars.shape[0]:
-        goes_on = begin(t, lane, runs, run, form, wave, False)
+        goes_on = begin(t, lane, runs, run, form, wave, np.bool_(False))
         run += 1
         if goes_on:
             return run
@@ -43,7 +45,7 @@ def next_run(t, lane, runs, run, form, wave):
 def carry_all(runs, form, wave):
     """All runs, LANES at a time."""
     t, scratch = np.zeros((row.ALL_ROWS, LANES)), empty_scratch()
-    run, busy = 0, 0
+    run, busy = np.int64(0), 0
     for lane in range(LANES):
         run = next_run(t, lane, runs, run, form, wave)
         busy += t[row.RUN, lane] >= 0.0
@@ -60,22 +62,23 @@ def carry_all(runs, form, wave):
 def carry_one(runs, form, wave, log):
     """One run, in the first lane, written down; (status, last mode, end, events, samples)."""
     t, scratch = np.zeros((row.ALL_ROWS, LANES)), empty_scratch()
+    first = np.int64(0)
     for lane in range(1, LANES):
         be_idle(t, lane)
     rests, s = runs.starts[0, 0] == REST, runs.starts[0, 1]
-    goes_on = begin(t, 0, runs, 0, form, wave, True)
+    goes_on = begin(t, first, runs, first, form, wave, np.bool_(True))
     if rests:
         write_wait(t, log, s, goes_on)
     while goes_on:
-        carry(t, runs.values, form, wave, scratch, runs.max_events, 1, True)
+        carry(t, runs.values, form, wave, scratch, runs.max_events, np.int64(1), True)
         write_step(t, log)
         if t[row.CALL, 0] > 0.0:
             rests, s = t[row.CALL, 0] == row.RESTS, t[row.S, 0]
-            goes_on = answer(t, 0, runs, wave)
+            goes_on = answer(t, first, runs, wave)
             if rests:
                 write_wait(t, log, s, t[row.MODE, 0] == ROTATION)
     write_end(t, log)
-    sum_up(t, 0, runs)
+    sum_up(t, first, runs)
     return t[row.STATUS, 0], t[row.MODE, 0], t[row.T_END, 0], t[row.WRITTEN, 0], t[row.SAVED, 0]
 
 

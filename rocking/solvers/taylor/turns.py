@@ -286,7 +286,7 @@ def begin(t, lane, runs, run, form, wave, logging):
         scale, t[row.DT, lane], t[row.BEGIN, lane], t[row.FIRST, lane], t[row.SAMPLES, lane], _ = runs.motions[run]
         t[row.SCALE_ON, lane] = scale / g
         t[row.PER_DT, lane] = 1.0 / t[row.DT, lane]
-    enter(t, lane, runs, wave, BEFORE)
+    enter(t, lane, runs, wave, np.int64(BEFORE))
     t[row.MODE, lane] = mode
     return mode != REST or wait(t, lane, runs, wave)
 
