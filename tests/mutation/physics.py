@@ -147,7 +147,7 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ),
     (
         "rocking/solvers/taylor/roots.py",
-        ("test_functions_of_taylor_lanes", "test_functions_of_taylor_flight", *TAYLOR),
+        ("test_functions_of_taylor_roots", "test_functions_of_taylor_lanes", *TAYLOR),
     ),
     ("rocking/solvers/taylor/lanes.py", ("test_functions_of_taylor_lanes", *TAYLOR)),
     ("rocking/solvers/taylor/turns.py", ("test_functions_of_taylor_turns", "test_functions_of_taylor_lanes", *TAYLOR)),
@@ -161,6 +161,7 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("rocking/solvers/diffrax/*.py", DIFFRAX),
     ("rocking/solvers/scipy_events.py", ("test_solvers_agree", "test_physics_under_jax", "test_trajectory")),
     ("rocking/solvers/numba/runge_kutta.py", ("test_functions_of_numba_runge_kutta", *NUMBA)),
+    ("rocking/solvers/numba/kernel.py", ("test_functions_of_numba_kernel", *NUMBA)),
     ("rocking/solvers/*.py", NUMBA),
     ("dem/shapes.py", ("test_shapes", "test_stability")),
     ("dem/stability.py", ("test_stability", "test_drop")),

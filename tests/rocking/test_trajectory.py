@@ -88,6 +88,10 @@ def test_a_block_that_does_not_fall_has_neither_overturning_time_nor_side(slende
     assert run.outcome is not Outcome.OVERTURNED
     assert math.isnan(run.overturning_time)
     assert run.side == 0
+    # The passage of the balance is an event, and no impact: at each of those the block is upright.
+    events = run.events
+    assert len(run.impact_times) == len(events.t) - 1 > 0
+    assert np.abs(events.y_before[np.isin(events.t, run.impact_times), 0]).max() < 1e-9
 
 
 @SOLVERS
