@@ -78,6 +78,14 @@ class DeclaredBlock:
         """Moment of inertia about a bottom corner [kg m^2]."""
         return self.I_c + self.mass * self.R**2
 
+    @property
+    def housner(self) -> float:
+        """Housner's restitution [1] for this centre of mass and inertia: momentum about the new corner is kept.
+
+        It may be below zero (Housner 1963: of a uniform rectangle, 1 - 1.5 sin^2 alpha).
+        """
+        return (self.I_c + self.mass * (self.centre_height**2 - 0.25 * self.breadth**2)) / self.I_O
+
     def p(self, g: float = G_STANDARD) -> float:
         """Frequency parameter [rad/s], sqrt(m g R / I_O)."""
         return math.sqrt(self.mass * g * self.R / self.I_O)

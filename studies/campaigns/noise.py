@@ -18,11 +18,13 @@ Status   the high-frequency estimate is right for white noise, too low for a rec
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
+from studies.campaigns.gaps import interpolated
 from studies.campaigns.model import Array
 from studies.campaigns.sampling import independent
 
@@ -78,6 +80,17 @@ def noise(values: Array, time_step: float) -> Noise:
     digit = _last_digit(kept) / math.sqrt(12.0)
     largest = float(np.nanmax(np.abs(kept - np.nanmedian(kept))))
     return _chosen(high, quiet, level, digit, largest)
+
+
+def noise_told(values: Array, time_step: float) -> float | None:
+    """Standard deviation of the noise of a record as it tells, across gaps if need be; None if it is too short.
+
+    Where 48 samples in a row are nowhere, gaps are filled by a spline first, which has less noise than samples have.
+    """
+    for samples in (values, interpolated(values)):
+        with suppress(ValueError):
+            return float(noise(samples, time_step).value)
+    return None
 
 
 def _chosen(high: float, quiet: float, level: float, digit: float, largest: float) -> Noise:

@@ -1,6 +1,6 @@
 """What the records of a campaign say by themselves, before any model: one name for the helpers in the modules beside.
 
-noise                                    standard deviation of a channel, from its record
+noise, noise_told                        standard deviation of a channel, from its record
 measured, independent                    channels that were sampled less often than the record
 clipped, overturning_time,
 before_overturning, ends_in_motion       rails of a sensor; the fall; a record that stops early
@@ -12,7 +12,7 @@ segment, mean_restitution, state, states swings, impacts, rest; rotation and ang
 from studies.campaigns.base_motion import base_motion, upsampled
 from studies.campaigns.clipping import before_overturning, clipped, ends_in_motion, overturning_time
 from studies.campaigns.gaps import Gap, fill_error, gaps, interpolated, runs, whole_base
-from studies.campaigns.noise import Noise, noise
+from studies.campaigns.noise import Noise, noise, noise_told
 from studies.campaigns.sampling import independent, measured
 from studies.campaigns.smoothing import State, state
 from studies.campaigns.swings import Impact, Segmentation, Swing, mean_restitution, segment, states
@@ -35,6 +35,7 @@ __all__ = [
     "mean_restitution",
     "measured",
     "noise",
+    "noise_told",
     "overturning_time",
     "runs",
     "segment",

@@ -473,6 +473,8 @@ def _unseen(setup: Setup) -> tuple[str, ...]:
 
 def _lean_sds(setup: Setup, model: LoopModel) -> list[float]:
     """Standard deviations of the leans of held-out tests [rad], as the model takes the sensor that read them."""
-    # `theta_sd` is twice the standard deviation of the estimate.
-    slopes = (float(model.reading_slope(w.theta)) if w.lean_read else 1.0 for w in setup.whole_held)
-    return [0.5 * w.theta_sd / abs(slope) for w, slope in zip(setup.whole_held, slopes, strict=True)]
+    # Where it was read, `theta_sd` is twice the standard deviation of the estimate.
+    return [
+        0.5 * w.theta_sd / abs(float(model.reading_slope(w.theta))) if w.lean_read else w.theta_sd
+        for w in setup.whole_held
+    ]

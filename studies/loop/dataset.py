@@ -87,7 +87,7 @@ def _answers(finding: Finding) -> dict[int, tuple[Answer, Answer]]:
     for k, fit in enumerate((finding.before_fit, finding.after_fit)):
         for w in (*fit.windows, *leaning(setup, fit.model, setup.whole_held)):
             time = np.ascontiguousarray(setup.campaign.tests[w.test].time)
-            jobs.setdefault(w.test, []).append(Job(k, w.test, time, w.start, w.theta, w.omega))
+            jobs.setdefault(w.test, []).append(Job(k, w.test, time, w.start, w.theta, w.omega, struck=w.struck))
     every = [job for test in jobs for job in jobs[test]]
     found = setup.simulator.run([finding.before, finding.after], every)
     return {test: (found[2 * k], found[2 * k + 1]) for k, test in enumerate(jobs)}

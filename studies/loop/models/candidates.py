@@ -55,6 +55,8 @@ class Candidate:
         if all("." not in p.name for p in self.parameters):
             return {p.name: 0.0 for p in self.parameters}
         values = load(self.effect).absent(_block(block))
+        if self.effect == "mass_distribution":  # what is declared is there without it
+            values = {"height": block.centre_height, "inertia": block.I_c}
         return {f"{self.effect}.{name}": value for name, value in values.items()} | dict(self.fixed)
 
 

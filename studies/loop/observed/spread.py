@@ -91,7 +91,7 @@ def variances(
     for k in range(draws):
         for i, w in enumerate(windows):
             lean = 0.0 if leans is None else leans[i] * rng.standard_normal()
-            jobs.append(Job(0, k * count + w.test, w.times, w.start, w.theta + lean, w.omega))
+            jobs.append(Job(0, k * count + w.test, w.times, w.start, w.theta + lean, w.omega, struck=w.struck))
     read = observe(noisy, [model], jobs, [*windows] * draws)
     n = len(windows)
     out = []

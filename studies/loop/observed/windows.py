@@ -87,6 +87,7 @@ class Window:
     theta_prior: float = 0.0  # reading [rad] that the prior is about, or rotation if it was not read
     lean_read: bool = True  # which of the two
     sd: Array | None = None  # standard deviation of each datum, where it is more than the noise
+    felt: Array | None = None  # what the base sensor's noise does to each datum at once, as an accelerometer reads it
     sides: NDArray[np.int64] | None = None  # at the times; accelerometers are compared where the model is on this side
     history: tuple[
         Peak, ...
@@ -116,6 +117,7 @@ class Window:
         return replace(
             self, times=self.times[:count], index=self.index[:count], there=channel[kept] * count + k[kept],
             data=self.data[kept], noise=self.noise[kept], sd=None if self.sd is None else self.sd[kept],
+            felt=None if self.felt is None else self.felt[kept],
             sides=None if self.sides is None else self.sides[:count],
         )  # fmt: skip
 
@@ -188,11 +190,12 @@ def cut(record: Record, number: int, start: float, stop: float, **state: Any) ->
     observed = record.observed[:, index].ravel()
     there = np.flatnonzero(np.isfinite(observed))
     noise = record.noises[:, index].ravel()[there]
-    sd = None if record.felt is None else np.hypot(noise, record.felt[:, index].ravel()[there])
+    felt = None if record.felt is None else record.felt[:, index].ravel()[there]
     sides = None if record.sides is None else record.sides[index]
     return Window(
         number, record.test, start, np.ascontiguousarray(record.time[index]), index, record.channels, there,
-        observed[there], noise, **state, sd=sd, sides=sides, struck=struck_before(record, start),
+        observed[there], noise, **state, sd=None if felt is None else np.hypot(noise, felt), felt=felt, sides=sides,
+        struck=struck_before(record, start),
     )  # fmt: skip
 
 
@@ -224,12 +227,16 @@ def _lean(test: Test, rotation: Array, noise: float) -> tuple[float, float, bool
     return found.rotation, max(2.0 * math.sqrt(float(found.covariance[0, 0])), 0.5 * noise), True
 
 
-def with_accelerometers(record: Record, test: Test, noises: Mapping[str, float]) -> Record:
-    """The record of a test with a rotation, with the accelerometers that it has besides."""
+def with_accelerometers(record: Record, test: Test, noises: Mapping[str, float], balance: float) -> Record:
+    """The record of a test with a rotation, with the accelerometers that it has besides, up to a fall.
+
+    balance: tilt of unstable balance [rad], as declared.
+    """
     sensors = [c for c in test.channels if c.kind == "block_acceleration"]
     if not sensors:
         return record
-    fallen = ~before_overturning(test.time, record.rotation, math.inf)
+    assert test.rotation is not None
+    fallen = ~before_overturning(test.time, test.rotation, balance)
     recorded = np.array([np.where(clipped(test.data[c.name]) | fallen, np.nan, test.data[c.name]) for c in sensors])
     observed = recorded.copy()
     for impact in record.found.impacts:

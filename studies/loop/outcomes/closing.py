@@ -102,9 +102,7 @@ def close(
 def declared_model(campaign: Campaign, g: float) -> LoopModel:
     """The block as declared; its restitution is Housner's where none is declared."""
     b, e = campaign.block, campaign.conditions.restitution
-    # Housner's for the declared centre of mass and inertia: angular momentum about the new corner is kept.
-    kept = (b.I_c + b.mass * (b.centre_height**2 - 0.25 * b.breadth**2)) / b.I_O
-    return LoopModel(b, min(max(kept, 0.05), 1.0) if e is None else e, {}, g)
+    return LoopModel(b, min(max(b.housner, 0.05), 1.0) if e is None else e, {}, g)
 
 
 def _path(search: Search, base: Tried, friction: float | None) -> tuple[list[Tried], list[Round]]:

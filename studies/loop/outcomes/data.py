@@ -71,14 +71,29 @@ def prepare(campaign: Campaign) -> OutcomeData:
         CampaignError: the outcomes cannot support a finding; it says why.
     """
     pairs = [(k, test) for k, test in enumerate(campaign.tests) if test.overturned is not None]
+    lost = {k: why for k, test in pairs if (why := _lost(test))}
+    count = len(campaign.tests) - len(pairs)
+    pairs = [(k, test) for k, test in pairs if k not in lost]
     tests, numbers = tuple(test for _, test in pairs), tuple(k for k, _ in pairs)
     fell = np.array([bool(test.overturned) for test in tests], dtype=bool)
     place = {id: k for k, group in enumerate(motion_groups(campaign)) for id in group}
     _, group = np.unique([place[test.id] for test in tests], return_inverse=True)
     _refuse(fell, group)
-    count = len(campaign.tests) - len(tests)
-    notes = (f"{count} of {len(campaign.tests)} tests have no outcome and are left out",) if count else ()
-    return OutcomeData(campaign, tests, numbers, fell, group, np.isin(group, _held(group)), notes)
+    notes = [f"{count} of {len(campaign.tests)} tests have no outcome and are left out"] if count else []
+    notes += [f"{why}; its outcome is left out" for why in lost.values()]
+    return OutcomeData(campaign, tests, numbers, fell, group, np.isin(group, _held(group)), tuple(notes))
+
+
+def _lost(test: Test) -> str:
+    """What is missing of a base motion that cannot be made whole: an outcome is one of all of it."""
+    for kind in ("base_acceleration_x", "base_acceleration_z"):
+        channel = test.channel(kind)
+        if channel is not None:
+            try:
+                whole_base(test, channel.name, LONGEST_FILL)
+            except CampaignError as error:
+                return str(error)
+    return ""
 
 
 def _refuse(fell: NDArray[np.bool_], group: NDArray[np.int64]) -> None:

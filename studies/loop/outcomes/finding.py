@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from rocking.effects import load
-from studies.loop.models.model import LoopModel
+from studies.loop.models.model import DRIFT, LoopModel
 from studies.loop.outcomes.candidates import UNSEEN
 from studies.loop.outcomes.data import OutcomeData
 from studies.loop.outcomes.likelihood import Array, Bools, Noise
@@ -82,8 +82,8 @@ def as_json(finding: OutcomeFinding) -> dict[str, Any]:
     parameters = {}
     for name, (value, low, high) in finding.intervals.items():
         effect, _, parameter = name.partition(".")
-        if parameter:
-            units = load(effect).units.get(parameter, "1")
+        if parameter or name == DRIFT:  # a restitution that drifts is learned, and of no effect's own parameters
+            units = load(effect).units.get(parameter, "1") if parameter else "1"
             parameters[name] = {"value": value, "low": low, "high": high, "units": units, "level": 0.95}
     data, after = finding.data, finding.stages["after"]
     return {

@@ -5,15 +5,14 @@ Status   campaigns with a rotation channel, with accelerometers on the block, or
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studies.campaigns import Campaign, CampaignError, Channel, motion_groups
-from studies.campaigns.signals import noise as estimated_noise
+from studies.campaigns import Campaign, CampaignError, Channel, Test, motion_groups
+from studies.campaigns.signals import noise_told
 from studies.loop.models.model import LoopModel
 from studies.loop.observed.spread import redrawn
 from studies.loop.observed.windows import (
@@ -67,12 +66,8 @@ class Setup:
 
 def as_declared(campaign: Campaign, g: float) -> LoopModel:
     """The ideal block as declared, with Housner's restitution where none was measured."""
-    e = campaign.conditions.restitution
-    model = LoopModel(campaign.block, 0.9 if e is None else e, {}, g)
-    if e is not None:
-        return model
-    housner = 1.0 - 1.5 * math.sin(campaign.block.alpha) ** 2
-    return replace(model, restitution=min(max(housner, 0.05), 1.0))
+    e, block = campaign.conditions.restitution, campaign.block
+    return LoopModel(block, min(max(block.housner, 0.05), 1.0) if e is None else e, {}, g)
 
 
 def held_out(campaign: Campaign, records: Sequence[Record]) -> tuple[int, ...]:
@@ -115,7 +110,7 @@ def prepare(campaign: Campaign, declared: LoopModel, keeper: Keeper | None = Non
     noises = {c.name: _typical_noise(campaign, c) for c in sensors}
     records, notes = _by_rotation(campaign)
     if records:
-        records = [with_accelerometers(r, campaign.tests[r.test], noises) for r in records]
+        records = [with_accelerometers(r, campaign.tests[r.test], noises, campaign.block.alpha) for r in records]
     else:
         records = reconstruction.records(simulator, start, sensors, noises)
     if not records:
@@ -151,26 +146,42 @@ def _by_rotation(campaign: Campaign) -> tuple[list[Record], list[str]]:
         channel = test.channel("rotation")
         if channel is None or test.rotation is None:
             continue
-        record = record_of(test, index, _noise(channel, test.rotation, test.time_step), campaign.block.alpha)
-        if record is None:
+        noise = channel.noise or noise_told(test.rotation, test.time_step)
+        record = None if noise is None else record_of(test, index, noise, campaign.block.alpha)
+        if noise is None:
+            notes.append(f"test {test.id}: rotation is too short to tell its noise from and none is declared, left out")
+        elif record is None:
             notes.append(f"test {test.id}: fewer than 20 usable samples of rotation, left out")
         else:
             records.append(record)
+    if records:
+        notes += [f"test {test.id}: {what}, left out beside tests with a rotation" for test, what in _without(campaign)]
     return records, notes
 
 
-def _noise(channel: Channel | None, samples: Array | None, step: float) -> float:
-    """Standard deviation of a channel, declared or estimated; 0 where there is none."""
-    if channel is None or samples is None:
-        return 0.0
-    return float(channel.noise or estimated_noise(samples, step).value)
+def _without(campaign: Campaign) -> list[tuple[Test, str]]:
+    """Tests that tell of the response otherwise than by a rotation, and by what."""
+    found = []
+    for test in campaign.tests:
+        if test.rotation is not None:
+            continue
+        if any(c.kind == "block_acceleration" for c in test.channels):
+            found.append((test, "accelerometers alone"))
+        elif test.overturned is not None:
+            found.append((test, "an outcome alone"))
+    return found
 
 
 def _typical_noise(campaign: Campaign, channel: Channel) -> float:
     """Standard deviation of a channel, declared or the median of what its records show."""
     if channel.noise:
         return float(channel.noise)
-    seen = [estimated_noise(t.data[channel.name], t.time_step).value for t in campaign.tests if channel.name in t.data]
+    each = [noise_told(t.data[channel.name], t.time_step) for t in campaign.tests if channel.name in t.data]
+    seen = [noise for noise in each if noise is not None]
+    if each and not seen:
+        raise CampaignError(
+            f"channel {channel.name!r}: no test has samples enough to tell its noise from; want noise declared"
+        )
     return float(np.median(seen)) if seen else 0.0
 
 

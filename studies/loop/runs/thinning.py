@@ -24,7 +24,7 @@ from excitation.record import Record
 from excitation.resampling import resampled
 from studies.campaigns import Test
 from studies.campaigns.base_motion import base_motion
-from studies.campaigns.signals import noise as estimated_noise
+from studies.campaigns.signals import noise_told
 
 Array = NDArray[np.float64]
 
@@ -39,11 +39,14 @@ SHARE = 0.15
 
 
 def base_noise(test: Test) -> float:
-    """Standard deviation of the horizontal base channel of a test [m/s^2], declared or estimated; 0 without one."""
+    """Standard deviation of the horizontal base channel of a test [m/s^2], declared or estimated.
+
+    It is 0 without such a channel, and where a record is too short to tell.
+    """
     channel = test.channel("base_acceleration_x")
     if channel is None or test.base_x is None:
         return 0.0
-    return float(channel.noise or estimated_noise(test.base_x, test.time_step).value)
+    return float(channel.noise or noise_told(test.base_x, test.time_step) or 0.0)
 
 
 def factors(tests: Sequence[Test], p: float) -> list[int]:

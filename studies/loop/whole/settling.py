@@ -202,8 +202,9 @@ def predictable(windows: Sequence[Window]) -> list[Window]:
     """
     out = []
     for w in windows:
-        lost = np.flatnonzero(1.0 / w.weights > PREDICTABLE * w.noise)
-        short = w.until(float(w.times[w.there[lost[0]] % w.times.size])) if lost.size else w
+        seen = w.noise if w.felt is None else np.hypot(w.noise, w.felt)
+        lost = w.there[1.0 / w.weights > PREDICTABLE * seen] % w.times.size  # the data are stacked channel by channel
+        short = w.until(float(w.times[lost.min()])) if lost.size else w
         out += [short] if short.data.size >= FEWEST_SAMPLES else []
     return out
 

@@ -1,6 +1,8 @@
 """loop.nc: what is in it, and the residuals against motions whose equation is known without the solver."""
 
+import dataclasses
 import math
+from types import SimpleNamespace
 
 import found
 import numpy as np
@@ -10,12 +12,13 @@ import xarray as xr
 from rocking import G_STANDARD
 from rocking.remembering import LONG_AGO
 from studies.campaigns import Channel, DeclaredBlock, Test
-from studies.loop.dataset import dataset, group_names, save
+from studies.loop.dataset import _answers, dataset, group_names, save
 from studies.loop.models.model import LoopModel
 from studies.loop.observed.residual_impacts import Impacts, modelled_restitution, onset
 from studies.loop.observed.residual_torque import path, residual_torque, stretches
+from studies.loop.observed.spread import variances
 from studies.loop.observed.windows import record_of
-from studies.loop.runs.simulation import Simulator
+from studies.loop.runs.simulation import Simulator, Struck
 
 NOISE = 1e-5
 
@@ -202,3 +205,29 @@ def test_onset_is_the_passage_of_a_level():
     t = np.linspace(0.0, 1.0, 11)
     assert onset(t, np.where(t > 0.5, -(t - 0.5), np.nan) + 0.01, 0.25, zero=0.01) == pytest.approx(0.75)
     assert math.isnan(onset(t, 0.1 * t, 0.25))
+
+
+# What struck the block in the tests before wears it: errors are of runs that know of it, and so are the histories.
+def test_runs_that_are_shown_and_redrawn_know_what_struck_the_block_before(tilted):
+    class Captured(Exception):  # noqa: N818
+        pass
+
+    class Simulator:
+        tests = ("noisy",)
+
+        def run(self, models, jobs):
+            raise Captured(jobs)
+
+    struck = Struck(0, 9.0, 12, 30.0)
+    setup = dataclasses.replace(tilted.setup, simulator=Simulator())
+    windows = [dataclasses.replace(w, struck=struck) for w in tilted.after_fit.windows]
+    fit = dataclasses.replace(tilted.after_fit, windows=windows)
+    shown = SimpleNamespace(setup=setup, before_fit=fit, after_fit=fit, before=tilted.before, after=tilted.after)
+    setup = dataclasses.replace(setup, whole_held=())
+    shown.setup = setup
+    with pytest.raises(Captured) as captured:
+        _answers(shown)
+    assert {job.struck for job in captured.value.args[0]} == {struck}
+    with pytest.raises(Captured) as captured:
+        variances(Simulator(), 1, tilted.after, windows)
+    assert {job.struck for job in captured.value.args[0]} == {struck}

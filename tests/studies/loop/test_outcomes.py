@@ -72,6 +72,17 @@ def test_tests_of_one_motion_are_held_out_together() -> None:
     assert "1 of 41 tests have no outcome" in data.notes[0]
 
 
+def test_an_outcome_whose_base_is_lost_is_left_out_and_said() -> None:
+    whole = campaign([True, False] * 20, motions=9)
+    values = whole.tests[7].data["base"].copy()
+    values[200:240] = np.nan
+    tests = [replace(test, data={"base": values}) if k == 7 else test for k, test in enumerate(whole.tests)]
+    data = prepare(replace(whole, tests=tuple(tests)))
+    assert len(data.tests) == len(data.fell) == 39 and 7 not in data.numbers
+    [note] = data.notes
+    assert "test 'run-7': base has 40 samples missing from 1 s on" in note and note.endswith("its outcome is left out")
+
+
 def test_the_cheap_form_of_a_motion_is_the_strong_part_of_it() -> None:
     test = pulse("one", 6.0, "m", True)
     short = cheap(test, BLOCK)

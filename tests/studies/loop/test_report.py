@@ -128,6 +128,17 @@ def test_pictures_have_a_text_instead(made):
     assert all(attrs["alt"] for attrs in pictures)
 
 
+def test_a_restitution_that_drifts_is_among_the_parameters():
+    finding = found.tilted()
+    own = {"restitution_drift": (-0.004, -0.005, -0.003), "restitution_drift_fading": (0.3, 0.2, 0.5)}
+    told = dataclasses.replace(finding, verdict="unexplained")
+    told.__dict__["intervals"] = finding.intervals | own
+    kept = as_json(told, "")["parameters"]
+    assert kept["restitution_drift"] == {"value": -0.004, "low": -0.005, "high": -0.003, "units": "1", "level": 0.95}
+    assert kept["restitution_drift_fading"]["value"] == 0.3
+    assert "restitution" not in kept
+
+
 # The finding is a tilt's, retold as one that had to be learned: a torque in the rotation and its band.
 def test_unexplained_with_a_learned_term(tmp_path):
     finding = found.tilted()

@@ -42,6 +42,24 @@ def test_a_record_is_believed_until_base_noise_outweighs_the_sensor() -> None:
     assert short.data.size == short.times.size == short.weights.size
 
 
+# A rotation that is never lost and an accelerometer, which feels the base at once, that is lost from 2.5 s on: the data
+# are stacked channel by channel, and the first lost one in time counts.
+@pytest.mark.parametrize("order", [1, -1])
+def test_the_first_channel_that_is_lost_ends_a_record(order: int) -> None:
+    t, n = np.arange(400) * 0.01, 400
+    channels = (Channel("rotation", "rotation", 2e-4), Channel("top", "block_acceleration", 0.01))
+    lost = np.where(t < 2.5, 0.0, 1.0)
+    noise, felt = (np.repeat(pair, n) for pair in ((2e-4, 0.01)[::order], (0.0, 0.05)[::order]))
+    motion = np.concatenate([0.0 * t, lost][::order])
+    w = Window(
+        0, 0, 0.0, t, np.arange(n), channels[::order], np.arange(2 * n), np.zeros(2 * n), noise, 0.1, 0.0, 0.0, 0.0,
+        sd=np.sqrt(noise**2 + felt**2 + motion**2), felt=felt,
+    )  # fmt: skip
+    [short] = predictable([w])
+    assert short.times[-1] == pytest.approx(2.5, abs=0.011)
+    assert short.felt is not None and short.felt.size == short.data.size == 2 * short.times.size
+
+
 def test_a_record_without_base_noise_is_believed_whole_and_a_stump_is_left_out() -> None:
     assert predictable([window(0.0)])[0].times.size == 400
     assert predictable([window(60.0)]) == []
