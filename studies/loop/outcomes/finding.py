@@ -116,12 +116,35 @@ def deciding(finding: OutcomeFinding) -> Round:
 
 
 def candidate_rows(finding: OutcomeFinding) -> list[dict[str, Any]]:
-    """What was tried in the round that decided; evidence is the gain of twice the log-likelihood, parameters priced."""
-    last, search = deciding(finding), finding.search
+    """What was tried, in the round that decided and in the others; what it was tried beside.
+
+    Evidence is the gain of twice the log-likelihood, with the price of the parameters taken off.
+    """
+    last = deciding(finding)
+    rows = _rows(finding, last)
+    for other in finding.rounds:
+        rows += [] if other is last else _rows(finding, other)
+    for form, why in UNSEEN.items():
+        rows.append(_not_refitted(last, form, why))
+    return rows
+
+
+def _not_refitted(tried: Round, form: str, why: str) -> dict[str, Any]:
+    return {
+        "effect": form.partition("[")[0], "form": form, "beside": list(tried.onto.names), "holdout_error": None,
+        "evidence": None, "not_refitted": why,
+    }  # fmt: skip
+
+
+def _rows(finding: OutcomeFinding, last: Round) -> list[dict[str, Any]]:
+    """What was tried in a round, the best first."""
+    search = finding.search
     settled = {t.names[-1]: t for t in last.refined}
     rows: list[dict[str, Any]] = []
     for form, tried in last.first.items():
-        row: dict[str, Any] = {"effect": tried.effects[-1], "form": form, "holdout_error": None}
+        row: dict[str, Any] = {
+            "effect": tried.effects[-1], "form": form, "beside": list(last.onto.names), "holdout_error": None,
+        }  # fmt: skip
         if form in settled:
             row["evidence"] = search.criterion(settled[form]) - search.criterion(last.onto)
             own = settled[form].names == finding.chosen.names
@@ -134,7 +157,4 @@ def candidate_rows(finding: OutcomeFinding) -> list[dict[str, Any]]:
             row["evidence"] = gain - search.price(len(tried.parameters) - len(last.onto.parameters))
         rows.append(row)
     rows.sort(key=lambda row: -row["evidence"])
-    for form, why in (last.skipped | UNSEEN).items():
-        name = form.partition("[")[0]
-        rows.append({"effect": name, "form": form, "holdout_error": None, "evidence": None, "not_refitted": why})
-    return rows
+    return rows + [_not_refitted(last, form, why) for form, why in last.skipped.items()]

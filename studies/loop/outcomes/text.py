@@ -101,7 +101,8 @@ def reason(row: Mapping[str, Any], content: Content, parts: tuple[str, ...]) -> 
         return "cannot be told apart from what was chosen"
     if row["evidence"] <= 0.0:
         return "explains no more than its parameters cost"
-    best = max((r["evidence"] for r in content["candidates"] if r["evidence"] is not None), default=0.0)
+    same = (r for r in content["candidates"] if r["beside"] == row["beside"] and r["evidence"] is not None)
+    best = max((r["evidence"] for r in same), default=0.0)
     if content["verdict"] == "none" or not parts:
         return "explains too little to be more than chance"
     return f"explains less: {number(best - row['evidence'])} below the best"
@@ -110,7 +111,7 @@ def reason(row: Mapping[str, Any], content: Content, parts: tuple[str, ...]) -> 
 def method() -> str:
     """How evidence was come by."""
     return (
-        "Evidence is the gain of twice the log-likelihood over what was there in the deciding round, with the "
+        "Evidence is the gain of twice the log-likelihood over what it was tried beside, with the "
         "price of the "
         f"further parameters (ln n each) taken off; it is computed at the {FINAL} best points of each form that "
         f"came near, "

@@ -3,6 +3,8 @@
 import json
 import math
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,9 +21,12 @@ from studies.loop.outcomes import search as outcomes_search
 from studies.loop.outcomes.candidates import UNSEEN, forms
 from studies.loop.outcomes.data import cheap, prepare, scaled
 from studies.loop.outcomes.dataset import peak_velocity
+from studies.loop.outcomes.finding import candidate_rows
 from studies.loop.outcomes.likelihood import Noise, best_over_draws, probability, score, weights
 from studies.loop.outcomes.prediction import read_noise, write_outcome_model
 from studies.loop.outcomes.runs import falls_of
+from studies.loop.outcomes.search import Round
+from studies.loop.outcomes.text import reason
 from studies.loop.runs.simulation import Simulator
 
 BLOCK = DeclaredBlock(0.15, 0.5, 0.25, 11.25)
@@ -195,6 +200,37 @@ def test_predictions_of_outcomes(rounded) -> None:
     wrong = np.mean([said[id]["overturned"] != fell for id, fell in truth.overturned.items()])
     # `baseline` is what the laboratory's own ideal block with the best restitution scores on the same tests.
     assert wrong < truth.baseline["predict"]
+
+
+# A named effect that was tried in vain, then something learned in its place, and one more beside that.
+def test_what_was_tried_in_any_round_is_among_the_candidates() -> None:
+    def tried(*names: str, value: float = 0.0) -> SimpleNamespace:
+        return SimpleNamespace(names=names, effects=names, parameters=names, points=[SimpleNamespace(value=value)])
+
+    base, tilt, term = tried(), tried("base_tilt", value=-3.0), tried("learned[spring]", value=20.0)
+    edges = tried("learned[spring]", "rounded_edges", value=21.0)
+    rounds = (
+        Round(base, {"base_tilt": tilt}, [], {"sliding": "friction is declared"}),
+        Round(base, {"learned[spring]": term}, [term]),
+        Round(term, {"rounded_edges": edges}, []),
+    )
+    search = SimpleNamespace(criterion=lambda t: 2.0 * t.points[0].value, price=lambda n: 3.0 * n)
+    finding: Any = SimpleNamespace(
+        rounds=rounds, chosen=term, search=search, rival_errors={}, error=lambda stage: {"holdout": 0.1}
+    )
+    rows = candidate_rows(finding)
+    told = {(row["form"], *row["beside"]): (row["evidence"], row["holdout_error"]) for row in rows}
+    assert told["learned[spring]",] == (40.0, 0.1)
+    assert told["base_tilt",] == (-9.0, None)
+    assert told["rounded_edges", "learned[spring]"] == (-1.0, None)
+    assert told["sliding",] == (None, None)
+    assert set(UNSEEN) <= {row["form"] for row in rows}
+    assert rows[0]["form"] == "learned[spring]"
+    content = {"candidates": rows, "indistinguishable": [], "verdict": "unexplained"}
+    for row in rows:
+        said = reason(row, content, term.names)
+        assert ("not tried" in said) == (row["evidence"] is None)
+    assert reason(rows[0], content, term.names) == "in the model after"
 
 
 @pytest.mark.slow
