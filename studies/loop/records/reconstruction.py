@@ -193,7 +193,7 @@ def _weighed(
 ) -> _Weighed:
     """Weigh the three hypotheses for each sample."""
     size = observed.shape[1]
-    alpha, p = model.block.alpha, model.block.p(model.g)
+    alpha, p = model.declared.alpha, model.declared.p(model.g)
     variance = sds**2 + SLOP**2
     there = np.isfinite(observed)
     weight = np.where(there, 1.0 / variance[:, None], 0.0)
@@ -282,8 +282,8 @@ def _rotation(
         rotation[_inner(part, record)] = own
         if side_before.get(part.start) == -part.side:
             changes.append((part, w.omega))
-        beyond = np.flatnonzero(np.abs(own) > model.block.alpha)
-        if beyond.size and not np.any(np.abs(own[beyond[-1] :]) < model.block.alpha):
+        beyond = np.flatnonzero(np.abs(own) > model.declared.alpha)
+        if beyond.size and not np.any(np.abs(own[beyond[-1] :]) < model.declared.alpha):
             fell = min(fell, int(np.arange(record.time.size)[_inner(part, record)][beyond[0]]))
     return rotation, changes, fell
 
@@ -302,7 +302,7 @@ def _window(simulator: Simulator, model: LoopModel, record: Record, part: Stretc
     an impact before the stretch ends fits badly, by jumps that derivatives do not see: hence the scan.
     """
     time = record.time[_inner(part, record)]
-    alpha, most = model.block.alpha, 1.5 * model.block.p(model.g) * model.block.alpha
+    alpha, most = model.declared.alpha, 1.5 * model.declared.p(model.g) * model.declared.alpha
     released = part.start == 0 and record.kind == "free"
     since = (NEAR_IMPACT + 0.5) * simulator.tests[record.test].time_step
     scanned = SCANNED**1.5 * (alpha if released else most)
