@@ -2,11 +2,13 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from rocking import Method1, Method2, solve
+import dem
+from rocking import Method1, Method2, Mode, solve
 from studies.criteria.overturning import METHODS, Settings, overturning
 from studies.specimens import specimen
 
@@ -42,6 +44,24 @@ def test_late_share_is_read_over_the_second_half_of_the_time():
     run = solve(Method2(specimen(3), friction=0.7), SETTINGS.motion(3.0), t_end=SETTINGS.duration, save_at=t)
     sampled = np.bincount(run.mode, minlength=6) / t.size
     assert found.mode_fraction_late == pytest.approx(sampled, abs=0.02)
+
+
+# A run that is told: at rest for 2 s, rocking to 6 s, sliding and rocking to the fall at 8 s and beyond it.
+def test_late_shares_of_a_distinct_element_are_of_the_second_half_of_its_time(monkeypatch):
+    t = np.arange(0.0, 10.5, 0.5)
+    clock = np.zeros((t.size, 6))
+    clock[:, Mode.REST] = np.minimum(t, 2.0)
+    clock[:, Mode.ROTATION] = np.clip(t - 2.0, 0.0, 4.0)
+    clock[:, Mode.SLIDE_ROTATION] = np.maximum(t - 6.0, 0.0)
+    at_the_fall = np.array([np.interp(8.0, t, column) for column in clock.T])
+    told = SimpleNamespace(
+        outcome=None, side=1, overturning_time=8.0, time=t, mode_clock=clock, mode_seconds_to_overturning=at_the_fall
+    )
+    monkeypatch.setattr(dem, "simulate", lambda *_, **__: told)
+    found = overturning("dem", specimen(3), 2.0, replace(Settings(), damping=100.0))
+    assert found.mode_fraction[[Mode.REST, Mode.ROTATION, Mode.SLIDE_ROTATION]] == pytest.approx([0.25, 0.5, 0.25])
+    # From 4 s to 8 s: two seconds of rotation, two of both.
+    assert found.mode_fraction_late[[Mode.REST, Mode.ROTATION, Mode.SLIDE_ROTATION]] == pytest.approx([0.0, 0.5, 0.5])
 
 
 @pytest.mark.parametrize("method", METHODS)
