@@ -212,6 +212,7 @@ def _block_line(b: float, h: float, starts: float) -> str:
 
 def _peak_in_words(block: Block, peak: float, restitution: float | None) -> tuple[str, dict[str, object]]:
     """The answer where a peak is all that is known."""
+    restitutions(block, restitution)  # refuses one that cannot be before anything is said
     starts = west_acceleration(block.b, block.h)
     lines = [_block_line(block.b, block.h, starts)]
     facts: dict[str, object] = {"breadth": block.b, "height": block.h, "peak": peak, "rocking_starts_at": starts}

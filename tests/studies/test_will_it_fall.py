@@ -250,3 +250,8 @@ def test_python_m_rocking_names_the_commands():
     asked = subprocess.run([sys.executable, "-m", "rocking", "0.3"], capture_output=True, text=True)
     assert asked.returncode == 2
     assert "want no argument here" in asked.stderr
+
+
+def test_a_restitution_that_cannot_be_is_refused_below_what_starts_rocking_too():
+    with pytest.raises(BadInputError, match=r"restitution=7.0: want 0 to 1"):
+        command.main(["0.3", "1.8", "--pga", "0.1g", "--restitution", "7"])

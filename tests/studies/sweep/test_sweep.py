@@ -50,6 +50,20 @@ def test_boxes_cover_every_point_once(shape, points):
     assert len(covered) == count_boxes(shape, points)
 
 
+# West: (b/h) g starts the rocking of a block of any size; one of 77 t leans on its springs by 2 mm before that.
+def test_distinct_elements_start_to_rock_at_west_s_acceleration_whatever_their_size(tmp_path):
+    gentle = {"ramp": {"kind": "ramped_sinusoid", "duration": 5.0, "final_amplitude": 8.0}}
+    sweep = Sweep(
+        axes={"method": ["dem"], "h": [0.5, 4.0]}, excitations=gentle,
+        fixed={"slenderness": 0.3, "friction": 0.7, "frequency": 1.0},
+    )  # fmt: skip
+    with run(sweep, tmp_path / "s.nc", progress=False) as ds:
+        started = ds.rocking_amplitude.sel({"method": "dem"}).values
+    # The ramp grows by 1.6 m/s^2 in a cycle, and each half of one has a single peak.
+    assert np.all(started > 0.3 * 9.80665)
+    assert np.all(started < 0.3 * 9.80665 + 0.5 * 1.6 + 0.1)
+
+
 def test_points_are_what_single_runs_give(tmp_path):
     sweep = Sweep(
         axes={"method": ["method1", "method2"], "frequency": [1.0, 2.0], "slenderness": [0.2, 0.3]}, excitations=RAMP
