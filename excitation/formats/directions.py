@@ -41,8 +41,8 @@ def direction_of(name: str) -> Direction:
 def _azimuth(plain: str) -> float | None:
     if plain in _CARDINAL:
         return _CARDINAL[plain]
-    if re.fullmatch(r"\d{1,3}", plain) and int(plain) <= 360:
-        return float(int(plain) % 360)
+    if re.fullmatch(r"\d{1,3}(\.\d+)?", plain) and float(plain) <= 360.0:
+        return float(plain) % 360.0
     quadrant = re.fullmatch(r"([NS])(\d{1,2})([EW])", plain)
     if quadrant is None or int(quadrant.group(2)) > 90:
         return None
