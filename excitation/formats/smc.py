@@ -103,8 +103,10 @@ def write(path: str | Path, record: Record) -> None:
     """Write a record in cm/s^2, eight digits, and its azimuth in whole degrees.
 
     Values below 1e-9 of a unit become zero: the exponent has one digit.
-    Raises ValueError if a value is too large for the format: 1e10 cm/s^2 and more.
+    Raises ValueError if a value is too large for the format, 1e10 cm/s^2 and more, or the azimuth of no whole degrees.
     """
+    if record.azimuth_deg is not None and record.azimuth_deg != round(record.azimuth_deg):
+        raise ValueError(f"azimuth_deg={record.azimuth_deg:g}: want whole degrees for SMC")
     values = 100.0 * record.acceleration
     if np.max(np.abs(values)) >= 9.9e9:
         raise ValueError(f"acceleration: reaches {np.max(np.abs(values)):g} cm/s^2, want below 9.9e9 for SMC")

