@@ -97,7 +97,8 @@ def reason(row: Mapping[str, Any], content: Content, parts: tuple[str, ...]) -> 
         return "in the model after"
     if "not_refitted" in row:
         return f"not tried: {row['not_refitted']}"
-    if any(row["effect"] in names for names in content["indistinguishable"]):
+    beside = {name.partition("[")[0] for name in row["beside"]}
+    if any(row["effect"] in names and not beside & set(names) for names in content["indistinguishable"]):
         return "cannot be told apart from what was chosen"
     if row["evidence"] <= 0.0:
         return "explains no more than its parameters cost"

@@ -231,6 +231,12 @@ def test_what_was_tried_in_any_round_is_among_the_candidates() -> None:
         said = reason(row, content, term.names)
         assert ("not tried" in said) == (row["evidence"] is None)
     assert reason(rows[0], content, term.names) == "in the model after"
+    # In its place a twin cannot be told from what was chosen; beside it, it adds nothing.
+    content["indistinguishable"] = [["rounded_edges", "base_motion_gain"]]
+    twin = {"form": "base_motion_gain", "effect": "base_motion_gain"}
+    alone, beside = {"beside": [], "evidence": 39.0}, {"beside": ["rounded_edges"], "evidence": -17.0}
+    said = [reason(twin | row, content, ("rounded_edges",)) for row in (alone, beside)]
+    assert said == ["cannot be told apart from what was chosen", "explains no more than its parameters cost"]
 
 
 @pytest.mark.slow
