@@ -14,7 +14,7 @@ import numpy as np
 from tqdm import tqdm
 
 from dem import arrays as q
-from dem import assembly_setup, assembly_step, assembly_threads, contact_forces, narrow_phase
+from dem import assembly_setup, assembly_skin, assembly_step, assembly_threads, contact_forces, narrow_phase
 from dem.arrays import Lists, Saved, Watched, lists_of
 from dem.assembly import Assembly
 from dem.assembly_history import AssemblyHistory, Ending, Fall, Separation
@@ -61,14 +61,14 @@ class Run:
         self.bodies = assembly_setup.bodies_of(assembly)
         self.outline = assembly_setup.outline_of(assembly)
         self.materials = assembly_setup.materials_of(assembly, table)
-        skin = assembly_setup.default_skin(assembly) if judgement.skin is None else judgement.skin
-        widest = assembly_setup.widest_skin(assembly)
+        skin = assembly_skin.default_skin(assembly) if judgement.skin is None else judgement.skin
+        widest = assembly_skin.widest_skin(assembly)
         if skin > widest * (1.0 + 1e-9):
             raise ValueError(
                 f"skin={skin:.6g} m: want at most {widest:.6g} m, half of the shortest edge or least breadth of the "
                 "scene"
             )
-        latest = min(LARGEST_WAY * skin, assembly_setup.way_of_turning(assembly, narrow_phase.LOOSE - judgement.facing))
+        latest = min(LARGEST_WAY * skin, assembly_skin.way_of_turning(assembly, narrow_phase.LOOSE - judgement.facing))
         update_after = latest if judgement.update_after is None else judgement.update_after
         if update_after > latest:
             raise ValueError(f"update_after={update_after} m: want at most {latest:.6g} m in this scene with this skin")
@@ -81,14 +81,14 @@ class Run:
         self.counts = np.zeros(8, np.int64)
         self.counters = np.zeros(16 * self.workers, np.int64)
         self.told = np.zeros(assembly_step.APART * self.workers, np.int64)
-        meeting = _natural_speed(assembly, self.g, assembly_setup.lowest_to_meet(assembly))
-        if skin < 2.0 * self.dt * meeting:
+        least = assembly_skin.narrowest_skin(assembly, self.g, self.dt)
+        if skin < least * (1.0 - 1e-9):
             raise ValueError(
-                f"skin={skin:.6g} m: want at least {2.0 * self.dt * meeting:.6g} m, or a smaller step: bodies that "
-                "move by more than that in a step may pass through each other"
+                f"skin={skin:.6g} m: want at least {least:.6g} m, or a smaller step: bodies that move by more than "
+                "that in a step may pass through each other"
             )
         self.limits = self._limits(math.inf, 0.0)
-        self.speed = _natural_speed(assembly, self.g, self.limits.z_low)
+        self.speed = assembly_skin.natural_speed(assembly, self.g, self.limits.z_low)
         self.lists: list[Lists] = []
         self._take_room(assembly_setup.room_for(assembly))
 
@@ -107,7 +107,7 @@ class Run:
             margin = 10.0 * float(np.hypot(*(high - low))) + 10.0
         drop = self.criteria.drop
         drops = np.array(
-            [drop or 0.5 * assembly_setup.least_breadth(body.shape) for body in self.assembly.bodies], np.float64
+            [drop or 0.5 * assembly_skin.least_breadth(body.shape) for body in self.assembly.bodies], np.float64
         )
         return Limits(
             speed,
@@ -306,15 +306,6 @@ class Run:
         speed = np.abs(b[q.VX]) + np.abs(b[q.VZ]) + b[q.RADIUS] * np.abs(b[q.OMEGA])
         number = int(np.argmin(speed < limits.speed))
         return number, f"speed = {speed[number]:.6g} m/s where at most {limits.speed:.6g} m/s is possible"
-
-
-def _natural_speed(assembly: Assembly, g: float, lowest: float) -> float:
-    """Speed [m/s] that the initial motion and a fall to the height `lowest` [m] can make together."""
-    highest = max(body.z + 2.0 * body.shape.radius for body in assembly.bodies)
-    fastest = max(abs(b.vx) + abs(b.vz) + b.shape.radius * abs(b.omega) for b in assembly.bodies)
-    fall = math.sqrt(2.0 * max(g, 1e-3) * (highest - lowest))
-    heaviest = max(body.mass for body in assembly.bodies) / min(body.mass for body in assembly.bodies)
-    return (fastest + fall) * math.sqrt(heaviest)
 
 
 def _teller(

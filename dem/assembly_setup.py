@@ -17,7 +17,7 @@ from dem.assembly import Assembly
 from dem.initial_contacts import Touch
 from dem.materials import ContactTable
 from dem.narrow_phase import Grid, Materials
-from dem.shapes import FloatArray, Polygon
+from dem.shapes import FloatArray
 
 
 class Room(NamedTuple):
@@ -103,48 +103,6 @@ def grid_of(bodies: int, room: Room) -> Grid:
 def cell_size(assembly: Assembly, skin: float) -> float:
     """Cells as wide as a typical body [m]."""
     return float(2.0 * np.median([body.shape.radius for body in assembly.bodies]) + 2.0 * skin)
-
-
-def default_skin(assembly: Assembly) -> float:
-    """An eighth of the shortest edge or least breadth of anything in the scene, but at most a tenth of a typical
-    body."""
-    return float(min(_shortest(assembly) / 8.0, 0.1 * np.median([body.shape.radius for body in assembly.bodies])))
-
-
-def widest_skin(assembly: Assembly) -> float:
-    """Half of the shortest edge or least breadth [m]: a list that is wider pairs corners with the wrong ends."""
-    return 0.5 * _shortest(assembly)
-
-
-def way_of_turning(assembly: Assembly, angle: float) -> float:
-    """How far the farthest corners of any two bodies may go [m] before the two have turned by the angle [rad], with a
-    twentieth of it to spare for the last step."""
-    turning = sorted(1.0 / body.shape.radius for body in assembly.bodies)[-2:]
-    return 0.95 * angle / math.fsum(turning)
-
-
-def lowest_to_meet(assembly: Assembly) -> float:
-    """Height of the lowest thing that a falling body may meet [m]."""
-    lowest = min(float(thing.vertices[:, 1].min()) for thing in assembly.things)
-    return min(0.0, lowest) if assembly.floor else lowest
-
-
-def _shortest(assembly: Assembly) -> float:
-    """Shortest edge or least breadth of anything in the scene [m]."""
-    shapes = [thing.shape for thing in assembly.things]
-    return float(min(min(_edges(shape).min(), least_breadth(shape)) for shape in shapes))
-
-
-def _edges(shape: Polygon) -> FloatArray:
-    return np.hypot(*(np.roll(shape.corners, -1, axis=0) - shape.corners).T)
-
-
-def least_breadth(shape: Polygon) -> float:
-    """Least distance of two parallel lines that hold the polygon between them [m]."""
-    side = np.roll(shape.corners, -1, axis=0) - shape.corners
-    normal = np.stack([side[:, 1], -side[:, 0]], axis=1) / _edges(shape)[:, None]
-    inward = (normal * shape.corners).sum(axis=1)[:, None] - normal @ shape.corners.T
-    return float(inward.max(axis=1).min())
 
 
 class Place(NamedTuple):

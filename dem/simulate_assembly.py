@@ -16,6 +16,7 @@ from dem import checks
 from dem.assembly import Assembly
 from dem.assembly_history import AssemblyHistory
 from dem.assembly_settings import ContactJudgement, Criteria
+from dem.assembly_skin import default_skin, longest_step
 from dem.assembly_stability import assembly_critical_step
 from dem.materials import Contact, Contacts
 from dem.simulate import MOST_STEPS
@@ -52,7 +53,8 @@ def simulate_assembly(
         positive, table and walls turn about that point. None is a table at rest
     t_end: duration [s]; the run ends with the first step at or after it
     contact: parameters of all contacts, or a mapping of pairs of materials to parameters
-    dt: step [s]; None: a quarter of the critical one (`assembly_critical_step`)
+    dt: step [s]; None: a quarter of the critical one (`assembly_critical_step`), less where bodies that fall could pass
+        through each other in a step
     onset: 'located', 'overlap' or 'incremental', see `dem.contact_forces`
     coulomb: 'total': friction reaches mu times spring and dashpot together; 'spring': mu times the spring's force
     g: gravity [m/s^2], 0 allowed
@@ -88,7 +90,7 @@ def simulate_assembly(
     _one_of("onset", onset, ("located", "overlap", "incremental"))
     _one_of("coulomb", coulomb, ("total", "spring"))
     limit = assembly_critical_step(assembly, contact)
-    dt = _step(dt, limit, t_end)
+    dt = _step(dt, limit, min(longest_step(assembly, g, default_skin(assembly)), t_end))
     if t_end / dt > MOST_STEPS:
         raise ValueError(f"t_end={t_end} s, dt={dt} s: want at most {MOST_STEPS:g} steps")
     last_step = max(1, math.ceil(t_end / dt * (1.0 - 1e-12)))
@@ -112,9 +114,9 @@ def simulate_assembly(
     return run.through(motion, progress)
 
 
-def _step(dt: float | None, limit: float, t_end: float) -> float:
+def _step(dt: float | None, limit: float, longest: float) -> float:
     if dt is None:
-        return min(SAFE_SHARE * limit, t_end)
+        return min(SAFE_SHARE * limit, longest)
     checks.positive("dt", dt, "s")
     if dt >= limit:
         raise ValueError(f"dt={dt} s: want a step below {limit:.6g} s, where this assembly becomes unstable")

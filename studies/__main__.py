@@ -23,7 +23,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Studies: without a word, a list of them; with `all`, every one, and index.html with the pictures.",
         epilog="A study whose dataset is there with the same settings and sources is not computed again.",
     )
-    parser.add_argument("word", nargs="?", choices=["all", "list"], default="list", help="what to do (default: list)")
+    parser.add_argument("word", nargs="?", metavar="{all,list}", default="list", help="what to do (default: list)")
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="make these alone")
     parser.add_argument("--workers", type=int, metavar="N", help="runs side by side (default: as many as cores)")
     add_common_arguments(parser)
@@ -82,6 +82,9 @@ def main(argv: list[str]) -> None:
     """
     arguments = _parser().parse_args(argv)
     found = studies()
+    if arguments.word not in ("all", "list"):
+        one = f"`python -m studies.{arguments.word}`" if arguments.word in found else "`python -m studies.NAME`"
+        raise BadInputError(f"{arguments.word!r}: want all or list; one study is made with {one}")
     if arguments.word == "list":
         _refuse_options(arguments)
         width = max(map(len, found))

@@ -90,6 +90,8 @@ def _headings(text: TextFile, index: int, separator: str | None, units: str | No
 ]:  # fmt: skip
     """(name, unit) of each column."""
     numbers = _is_numbers(text.lines[index])
+    if not numbers and to_float(text.lines[index].split(separator)[0]) is not None:
+        text.fail(index, "finite numbers, or a heading, whose first column is the time")
     if not numbers and len(text.lines[index]) > LONGEST_HEADING:
         text.fail(index, f"a heading of at most {LONGEST_HEADING} characters")
     fields = text.lines[index].split(separator) if numbers else split(text.lines[index], separator)

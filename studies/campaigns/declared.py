@@ -224,7 +224,8 @@ def _test(table: Table, id: str) -> DeclaredTest:
     if kind == "free" and (lean is None or lean == 0.0):
         raise table.fail("initial_rotation", "the lean that a free test is released from (rad)")
     if kind == "forced" and lean:
-        table.warnings.append(f"{table.where}: initial_rotation={lean:g} rad, but a forced test starts upright")
+        table.warnings.append(f"{table.where}: initial_rotation={lean:g} rad is not used: a forced test starts upright")
+        lean = None
     motion = table.text("motion", "the name of a motion") if "motion" in table.values else None
     overturned = table.values.get("overturned")
     if "overturned" in table.values and not isinstance(overturned, bool):

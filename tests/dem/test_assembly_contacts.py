@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import dem
-from dem import assembly_setup
+from dem import assembly_setup, assembly_skin
 
 G = 9.80665
 KN = 1.98e7
@@ -222,13 +222,30 @@ def test_a_body_in_the_air_may_fall_as_low_as_the_floor_or_what_there_is(floor, 
     """A wall from 0.4 m up under a block that hangs over it: by how much that falls bounds its speed."""
     ledge = dem.wall([(-0.5, 0.4), (0.5, 0.4), (0.5, 0.5), (-0.5, 0.5)])
     scene = dem.Assembly((dem.block(B, H, D, DENSITY, z=1.0),), (ledge,), floor=floor, standing=False)
-    assert assembly_setup.lowest_to_meet(scene) == pytest.approx(lowest, abs=1e-12)
+    assert assembly_skin.lowest_to_meet(scene) == pytest.approx(lowest, abs=1e-12)
 
 
 def test_a_body_may_fall_into_a_pit_below_the_floor():
     ledge = dem.wall([(0.5, -0.4), (1.5, -0.4), (1.5, -0.3), (0.5, -0.3)])
     scene = dem.Assembly((dem.block(B, H, D, DENSITY, z=1.0),), (ledge,), standing=False)
-    assert assembly_setup.lowest_to_meet(scene) == pytest.approx(-0.4, abs=1e-12)
+    assert assembly_skin.lowest_to_meet(scene) == pytest.approx(-0.4, abs=1e-12)
+
+
+@pytest.mark.parametrize(("density", "shorter"), [(DENSITY, False), (1e4 * DENSITY, True)])
+def test_the_step_is_short_enough_for_what_the_heaviest_body_may_throw(density, shorter):
+    """Of masses 1 to 1e6, the light one might leave an impact at a thousand times the speed of a fall (by energy). It
+    goes no farther in a step than half of the skin."""
+    pebble = dem.block(0.1 * B, 0.1 * H, D, DENSITY, x=0.5, name="pebble")
+    scene = dem.Assembly((dem.block(B, H, D, density), pebble))
+    quarter = 0.25 * dem.assembly_critical_step(scene, STEADY)
+    run = dem.simulate_assembly(scene, t_end=0.002, contact=STEADY, settle=False)
+    dt, fall = run.settings["dt"], math.sqrt(2.0 * G * (0.5 * H + math.hypot(B, H)))
+    assert dt <= quarter and (dt < quarter) == shorter
+    if shorter:
+        fastest = fall * math.sqrt(scene.bodies[0].mass / scene.bodies[1].mass)
+        assert dt == pytest.approx(0.5 * run.settings["judgement_skin"] / fastest, rel=1e-9)
+        with pytest.raises(ValueError, match=r"^skin=0\.001\d* m: want at least .* or a smaller step: bodies"):
+            dem.simulate_assembly(scene, t_end=0.002, contact=STEADY, dt=quarter, settle=False)
 
 
 def test_blocks_of_a_column_are_named_from_below():

@@ -408,6 +408,7 @@ PEAK = f"{100 * max(BASE, key=abs):10.3f}"
         ("time [s],a [g]\n0,1\n0.01,2\n0.02\n", "line 4: .* want 2 columns"),
         ("time [s],a [kg]\n0,1\n0.01,2\n", "line 1: .* want a unit of acceleration for column 2"),
         ("time [s],a\n0,1\n0.01,2\n", "line 1: .* want the unit of column 2"),
+        ("0,1e999\n0.01,1\n0.02,1\n", "line 1: .* want finite numbers, or a heading"),
         ("time [s],a [g]\n0.02,1\n0.01,2\n", "want times that ascend"),
         ("time [s],a [g]\n0.02,1\n", "want two samples or more"),
         ("", "is empty"),

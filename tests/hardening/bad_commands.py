@@ -130,7 +130,7 @@ COMMANDS: dict[str, tuple[Any, ...]] = {
     "falls: a component that is none": (
         "falls", ["0.3", "1.8", "--record", "{}/record.AT2", "--component", "Q"], "want component 'Q'",
     ),
-    "studies: a word": ("studies", ["make"], "'make'", "choose from"),
+    "studies: a word": ("studies", ["make"], "'make'", "want all or list"),
     "studies: a study that is none": ("studies", ["all", "--only", "fig99", "--out", _NEW], "fig99: want one of"),
     "studies: a file for a folder": (
         "studies", ["all", "--only", "fig18", "--out", "{}/whole.nc"], "whole.nc: want a folder that can be written to",

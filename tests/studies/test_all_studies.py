@@ -131,6 +131,11 @@ def test_the_list_of_studies_refuses_options_that_it_would_drop(given, option):
         listing(given.split())
 
 
+def test_the_name_of_a_study_is_told_its_command():
+    with pytest.raises(BadInputError, match=r"^'fig18': want all or list; one .* with `python -m studies.fig18`"):
+        listing(["fig18"])
+
+
 @pytest.mark.parametrize("name", ["fig18"])
 def test_what_is_there_with_the_same_settings_is_not_computed_again(name, made, folder, capsys, monkeypatch):
     made(name)

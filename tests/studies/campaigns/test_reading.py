@@ -118,6 +118,16 @@ def test_unknown_keys_are_named_and_not_used(folder):
     assert any("'operator'" in text for text in read(folder).warnings)
 
 
+def test_a_forced_test_starts_upright_whatever_is_declared(folder):
+    """Fits start there; a prediction is to start there, too."""
+    edited(folder, "campaign.toml", lambda b: b.replace(b'kind = "forced"', b'kind = "forced"\ninitial_rotation = 0.1'))
+    again = read(folder)
+    forced = [test for test in again.tests if test.kind == "forced"]
+    assert forced and all(test.initial_rotation is None for test in forced)
+    told = [text for text in again.warnings if "not used: a forced test starts upright" in text]
+    assert len(told) == len(forced)
+
+
 def test_outcomes_alone(campaign, tmp_path):
     bare = tuple(replace(t, overturned=t.id == "a") for t in (campaign.test("ahead"),))
     only = replace(campaign, tests=(replace(bare[0], id="a", overturned=True), replace(bare[0], id="b")))
