@@ -13,6 +13,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from dem import arrays as q
 from dem.barrier import wait_for_all
 from dem.compiled import compiled, inner
@@ -149,8 +151,8 @@ def _advance_assembly(
     if which == 1:
         lists, spare = lists_b, lists_a
     step, until_save, n = counts[STEP], counts[UNTIL_SAVE], counts[SAVED]
-    due, finishing, fallen = counts[DUE], counts[FINISHING], 0
-    first_step = counts[FIRST] == 1
+    due, finishing, fallen = counts[DUE], counts[FINISHING], np.int64(0)
+    first_step, no = counts[FIRST] == 1, np.bool_(False)  # where False itself is given, all is compiled once more for it
     for b in range(movable):
         fallen += bodies[q.FELL, b] == bodies[q.FELL, b]
     low, high = share_of(movable, worker, workers)
@@ -183,7 +185,7 @@ def _advance_assembly(
                 bodies, outline, lists, pair_low, pair_high, rule, judgement, clock.dt, first_step, saving
             )  # fmt: skip
         else:
-            press_pairs(bodies, outline, lists, pair_low, pair_high, rule, judgement, clock.dt, False, False)
+            press_pairs(bodies, outline, lists, pair_low, pair_high, rule, judgement, clock.dt, no, no)
         if until_watch == 0:
             until_watch = clock.watch_every
             watch_interfaces(

@@ -304,7 +304,7 @@ def _carry(old, old_pair, lists, first, count):
                 break
         if place < 0:  # pressed in by more than the skin, or the slot is taken by the other end of a short edge
             place = count
-            count = _add(lists, count, c, e, -1, -1)
+            count = _add(lists, count, c, e, np.int64(-1), np.int64(-1))
             if count < 0:
                 return -1
         lists.slot[place, q.ACTIVE] = variant
