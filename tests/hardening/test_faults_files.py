@@ -129,6 +129,7 @@ def damaged(data, seed):
     return bytes(changed)
 
 
+@pytest.mark.slow
 def test_a_damaged_dataset_is_computed_again_and_never_a_traceback(tmp_path):
     path = tmp_path / "a.nc"
     rows = np.random.default_rng(2).random((40, 40))

@@ -83,7 +83,7 @@ def test_free_rocking_of_the_linear_block_to_the_closed_form(solver: str) -> Non
 
 
 # A frequency of 0.2 Hz leaves the steps to the tolerance, but for the largest ones.
-@pytest.mark.parametrize("solver", ["diffrax", "numba", "scipy"])
+@pytest.mark.parametrize("solver", [pytest.param("diffrax", marks=pytest.mark.slow), "numba", "scipy"])
 @pytest.mark.parametrize("method", ["method1", "method2"])
 def test_shaken_nonlinear_block_to_heyoka(solver: str, method: str) -> None:
     system: Any = Method1(BLOCK, g=G) if method == "method1" else Method2(BLOCK, friction=math.inf, g=G)

@@ -156,6 +156,7 @@ def test_bad_argument_is_named(call, message):
 
 
 # Blocks that differ, sinusoids that differ, and starts at rest, released and pushed: one loop of JAX carries them all.
+@pytest.mark.slow
 def test_a_batch_by_diffrax_is_that_of_numba() -> None:
     systems = [Method1(Block(0.15, h), restitution=e) for h, e in ((0.5, 0.9), (0.6, 0.8), (0.5, 0.95), (0.4, 0.9))]
     motions = [RampedSinusoid(f, 3.0, a) for f, a in ((1.0, 2.0), (1.5, 9.0), (2.0, 5.0), (3.0, 30.0))]

@@ -120,6 +120,7 @@ def test_hundreds_of_runs_over_records_are_those_of_the_compiled_batch(on: str) 
     np.testing.assert_array_equal(rows[:, LARGEST_SAMPLE], 1.0)
 
 
+@pytest.mark.slow
 @ON
 def test_hundreds_of_runs_over_sinusoids_are_those_of_the_compiled_batch(on: str) -> None:
     rng = np.random.default_rng(1)

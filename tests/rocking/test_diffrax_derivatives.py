@@ -141,6 +141,7 @@ def amplitudes() -> Any:
     return array, batch(SYSTEM, MOTION, motion_parameters=array, t_end=5.0, keep_impacts=4, rtol=1e-11, atol=1e-14)
 
 
+@pytest.mark.slow
 def test_a_batch_is_its_members(amplitudes: Any) -> None:
     array, many = amplitudes
     assert 0 < many.overturned.sum() < 10
@@ -187,6 +188,7 @@ def test_traced_parameters_are_those_of_the_system(system: Any, changes: dict[st
 
 
 # At pi/2 the block lies on its side: what `solve` refuses is refused here, unless it is traced and has no value yet.
+@pytest.mark.slow
 def test_a_block_that_has_fallen_is_no_start() -> None:
     fallen, q = np.array([[0.1, 0.0], [2.0, 0.0]]), Discrete(Mode.ROTATION, 1.0, 1.0)
     for run in (response, batch):

@@ -106,6 +106,7 @@ class Poisoned:
         return par[1] + xp.where(t > par[0], xp.sqrt(par[0] - t), 0.0), 0.0 * t
 
 
+@pytest.mark.slow
 def test_a_motion_that_is_not_finite_fails_and_says_so() -> None:
     run = by("diffrax", SYSTEMS["nonlinear"], Poisoned(0.99999, 0.0), 0.0, 2.0, theta=0.1)
     assert run.outcome is Outcome.FAILED

@@ -51,6 +51,7 @@ def counted(
 
 
 # The flights of the linear block, one by one.  It must not answer where it is unsure, and must answer often.
+@pytest.mark.slow
 def test_chatter_has_as_many_impacts_as_flights_followed_one_by_one() -> None:
     rng = np.random.default_rng(7)
     p2, alpha = rng.uniform(2.0, 30.0, LANES), rng.uniform(0.05, 0.4, LANES)
@@ -147,7 +148,7 @@ def test_a_block_that_stands_tips_at_once_where_the_base_jumps(start: float) -> 
 # Rounding alone may lift a crest above the balance and the search for the passage not find it: such a lane turned in a
 # circle.  States a few units of rounding beside where something happens.
 @pytest.mark.parametrize("wave", [False, True])
-@pytest.mark.parametrize("precision", ["float32", "float64"])
+@pytest.mark.parametrize("precision", [pytest.param("float32", marks=pytest.mark.slow), "float64"])
 def test_no_lane_stands_still(precision: str, wave: bool) -> None:
     rng, kind = np.random.default_rng(3), np.dtype(precision).type
     alpha, p2 = 10.0 ** rng.uniform(-1.7, -0.1, LANES), 10.0 ** rng.uniform(-0.5, 2.0, LANES)

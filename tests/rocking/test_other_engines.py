@@ -53,7 +53,7 @@ def threshold(overturns: Callable[[float], bool], expected: float, width: float)
 
 # Half a unit of the last digit printed, and the bisection.  Method 2 with friction that holds is the same block.
 @pytest.mark.parametrize("frequency", FIRST)
-@pytest.mark.parametrize("solver", ["numba", "scipy", "diffrax"])
+@pytest.mark.parametrize("solver", ["numba", "scipy", pytest.param("diffrax", marks=pytest.mark.slow)])
 def test_first_overturning_amplitude_by_method_1(frequency: float, solver: str) -> None:
     system = Method1(BLOCK, g=G)
     found = threshold(lambda a: falls(system, frequency, a, solver), FIRST[frequency], 0.002)

@@ -1,7 +1,7 @@
 """Every installed solver tells the same story, and a solver of another package is found by its entry point."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,14 @@ from rocking.trajectory import BALANCE
 
 G = 9.81
 OTHERS = [name for name in available() if name != "scipy"]
+
+
+def seldom(names: Iterable[str]) -> list[Any]:
+    """Diffrax marked slow: it compiles each kind of system and motion anew, for seconds.
+
+    Of the default tests two run it, that of shaking by Method 1 and that of the modes of Method 2.
+    """
+    return [pytest.param(name, marks=pytest.mark.slow if name == "diffrax" else ()) for name in names]
 
 
 def test_the_two_built_in_solvers_are_installed() -> None:
@@ -68,7 +76,7 @@ def still_base() -> Any:
     return Still()
 
 
-@pytest.mark.parametrize("name", OTHERS)
+@pytest.mark.parametrize("name", seldom(OTHERS))
 @pytest.mark.parametrize("form", ["nonlinear", "linear"])
 @pytest.mark.parametrize("seed", range(4))
 def test_method_1_rocks_freely_with_the_same_impacts(name: str, form: Any, seed: int) -> None:
@@ -93,7 +101,7 @@ def test_method_1_under_shaking_has_the_same_impacts(window: Any, name: str, for
 
 
 # A motion that every solver knows, so that the closed form of the linear block meets the integrators too.
-@pytest.mark.parametrize("name", OTHERS)
+@pytest.mark.parametrize("name", seldom(OTHERS))
 @pytest.mark.parametrize("frequency", [1.0, 2.5, 4.0])
 @pytest.mark.parametrize("form", ["nonlinear", "linear"])
 def test_method_1_under_a_ramped_sinusoid_has_the_same_impacts(name: str, frequency: float, form: Any) -> None:
@@ -121,7 +129,7 @@ def test_method_2_moves_through_the_same_modes(window: Any, name: str, seed: int
     must_agree(one, other)
 
 
-@pytest.mark.parametrize("name", OTHERS)
+@pytest.mark.parametrize("name", seldom(OTHERS))
 @pytest.mark.parametrize("e_n", [0.0, 0.4])
 def test_method_2_rocks_freely_with_the_same_twenty_impacts(name: str, e_n: float) -> None:
     law: Any = {"impact_law": "two_corner", "restitution": 0.97} if e_n == 0.0 else {"normal_restitution": e_n}
@@ -131,7 +139,7 @@ def test_method_2_rocks_freely_with_the_same_twenty_impacts(name: str, e_n: floa
 
 # A jump in the base acceleration is a breakpoint of the motion: no step goes over it.  Written out: the block waits
 # upright until 0.7 s, where 6 m/s^2 > (b/h) g sets in, and leaves rest there and not a step later.
-@pytest.mark.parametrize("name", available())
+@pytest.mark.parametrize("name", seldom(available()))
 @pytest.mark.parametrize("method", [Method1, Method2])
 def test_a_jump_in_the_push_starts_the_rocking_at_that_instant(window: Any, name: str, method: Any) -> None:
     system = method(Block(b=0.2, h=0.8), g=G, **({"friction": 1.0} if method is Method2 else {}))
@@ -150,7 +158,7 @@ def test_a_jump_in_the_push_starts_the_rocking_at_that_instant(window: Any, name
 
 # The error of the fifth impact time falls with the tolerance, to the rounding of a time.  The base is at rest, so that
 # nothing but the tolerance limits a step.
-@pytest.mark.parametrize("name", available())
+@pytest.mark.parametrize("name", seldom(available()))
 @pytest.mark.parametrize("method", [Method1, Method2])
 def test_the_error_falls_as_the_tolerance_is_tightened(name: str, method: Any) -> None:
     system = method(Block(b=0.2, h=0.8), g=G, **({"friction": 1.2} if method is Method2 else {}))
@@ -167,7 +175,7 @@ def test_the_error_falls_as_the_tolerance_is_tightened(name: str, method: Any) -
     assert errors[2] < max(errors[1] / 30.0, 1e-11)
 
 
-@pytest.mark.parametrize("name", available())
+@pytest.mark.parametrize("name", seldom(available()))
 def test_samples_do_not_depend_on_how_many_are_asked_for(window: Any, name: str) -> None:
     system = Method1(Block(b=0.2, h=0.8), g=G)
     motion = window(0.0, 2.0, x=(0.0, 3.0, 15.0, 0.3))
@@ -235,7 +243,7 @@ def test_too_many_events_end_a_run_as_failed_with_the_reason(name: str) -> None:
 
 # Sampled motions forgive a time a billionth of a step where they begin and end: a solver that comes that near to an
 # edge sees what lies behind it.  The base jumps to 5 m/s^2, the block stands 2.45 m/s^2.
-@pytest.mark.parametrize("name", available())
+@pytest.mark.parametrize("name", seldom(available()))
 @pytest.mark.parametrize("form", ["nonlinear", "linear"])
 @pytest.mark.parametrize("kind", [PiecewiseLinear, SampledMotion])
 @pytest.mark.parametrize(("start", "t_start"), [(0.3, 0.0), (0.0, 0.0), (0.0, -0.5)])
@@ -250,7 +258,7 @@ def test_rocking_begins_at_the_very_jump_that_a_record_begins_with(
     np.testing.assert_array_equal(run.events.s_after, [-1.0])
 
 
-@pytest.mark.parametrize("name", available())
+@pytest.mark.parametrize("name", seldom(available()))
 def test_a_record_that_ends_with_a_jump_pushes_to_its_end_and_no_longer(name: str) -> None:
     system, motion = Method1(Block(0.2, 0.8), g=G), PiecewiseLinear(0.25, [0.0, 0.0, 2.4], start=0.1)
     skip_if_declined(name, system, motion)
@@ -278,7 +286,7 @@ THRESHOLDS = list(sizes_at_the_threshold())
 
 # Equality is rest: the block needs more than West's (b/h) g, or mu g, to leave it.  A product is rounded by one solver
 # and fused with the sum behind it by another, which decided between rest and a start that never got on.
-@pytest.mark.parametrize("name", available())
+@pytest.mark.parametrize("name", seldom(available()))
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("system", "push"), [case[1:] for case in THRESHOLDS], ids=[case[0] for case in THRESHOLDS])
 def test_a_push_exactly_at_the_threshold_leaves_the_block_at_rest(
@@ -292,7 +300,7 @@ def test_a_push_exactly_at_the_threshold_leaves_the_block_at_rest(
     assert solve(system, beyond, t_end=0.2, solver=name).onset_time == 0.0
 
 
-@pytest.mark.parametrize("name", available())
+@pytest.mark.parametrize("name", seldom(available()))
 def test_arrays_that_may_only_be_read_serve_as_well(window: Any, name: str) -> None:
     system, times = Method1(Block(0.2, 0.8), form="linear", g=G), np.linspace(0.0, 1.0, 11)
     shaken, record = window(x=(0.0, 3.0, 15.0, 0.3)), np.array([0.0, 1.0, 2.0, 3.0, 0.0])

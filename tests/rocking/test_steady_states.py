@@ -61,7 +61,7 @@ def test_a_run_started_on_an_orbit_closes_after_half_of_it(ratio, amplitude, orb
     assert trajectory.peak_rotation / BLOCK.alpha == pytest.approx(orbit.peak, abs=1e-8)
 
 
-@pytest.mark.parametrize("solver", ["scipy", "diffrax"])
+@pytest.mark.parametrize("solver", ["scipy", pytest.param("diffrax", marks=pytest.mark.slow)])
 def test_the_orbit_closes_by_the_other_solvers_too(solver):
     (large, _) = steady_states(3.0, 1.0, 0.95)
     trajectory = run(large, 3.0, 1.0, 3, solver)

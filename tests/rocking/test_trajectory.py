@@ -217,7 +217,7 @@ class Lost:
     max_step = 0.05
 
 
-@pytest.mark.parametrize("solver", ["numba", "scipy", "diffrax"])
+@pytest.mark.parametrize("solver", ["numba", "scipy", pytest.param("diffrax", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("theta", [0.0, 0.1])
 def test_a_motion_that_ceases_to_be_finite_is_not_taken_for_a_matter_of_tolerance(
     slender: Block, solver: str, theta: float

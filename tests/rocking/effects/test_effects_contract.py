@@ -264,6 +264,7 @@ def left_out(name: str) -> Any:
     return pytest.param(name, marks=pytest.mark.slow if name.startswith("learned_") else ())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [left_out(n) for n in TOGETHER if n not in ("learned_reading", "rotation_gain", "rotation_offset")]
 )
@@ -301,6 +302,7 @@ def greedy(xp: Any, theta: Any, omega: Any, s: Any, base: Any, values: Any) -> A
     return -values[4] * omega
 
 
+@pytest.mark.slow
 def test_a_batch_has_room_for_any_number_of_effects(shaken: Any) -> None:
     from rocking import solve_batch
 

@@ -58,7 +58,7 @@ def test_an_impact_heeds_how_the_base_is_accelerated(solver: str) -> None:
 
 
 @pytest.mark.parametrize("exponent", [0.0, 1.0, 2.0])
-@pytest.mark.parametrize("solver", ["numba", "scipy", "diffrax"])
+@pytest.mark.parametrize("solver", ["numba", "scipy", pytest.param("diffrax", marks=pytest.mark.slow)])
 def test_a_block_wears_by_the_sum_of_powers_of_the_speeds_of_its_impacts(solver: str, exponent: float) -> None:
     effect = load("learned_memory")(**WEAR | {"worn_exponent": exponent}, least_speed=0.1)
     run = solve(

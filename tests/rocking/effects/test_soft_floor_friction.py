@@ -104,7 +104,7 @@ def test_the_more_friction_the_nearer_the_distinct_element_is(mu: float, apart: 
     assert np.abs(without.theta - history.theta[: t.size]).max() > 2.0 * off
 
 
-@pytest.mark.parametrize("solver", ["scipy", "diffrax"])
+@pytest.mark.parametrize("solver", ["scipy", pytest.param("diffrax", marks=pytest.mark.slow)])
 def test_solvers_agree(solver: str) -> None:
     at = np.arange(0.0, 0.4, 0.01)
     runs = [on_springs(1e6, 0.1, 0.4, theta=0.08, t_end=0.4, save_at=at, solver=s) for s in ("numba", solver)]

@@ -49,6 +49,7 @@ def fits() -> list[tuple[Simulator, Simulator, Fit]]:
 
 
 # The standard deviation of eighty fits is known to 8 %, that of 32 redrawn noises to 13 %; let be 3 sd.
+@pytest.mark.slow
 def test_the_covariance_is_the_spread_of_fits_under_other_noise(fits: list[tuple[Simulator, Simulator, Fit]]) -> None:
     values = np.array([found.values[GAIN.name] for _, _, found in fits])
     spread = float(np.std(values, ddof=1))

@@ -27,7 +27,9 @@ def test_declared_friction_is_taken_where_a_block_rocks_with_it() -> None:
         assert floor.fixed[name] == 0.7 and floor.assumed == {name: GRIP}
 
 
-@pytest.mark.parametrize("name", ["compliant_base", "winkler_bed", "bouncing"])
+@pytest.mark.parametrize(
+    "name", ["bouncing", *(pytest.param(n, marks=pytest.mark.slow) for n in ("compliant_base", "winkler_bed"))]
+)
 def test_corners_of_the_laboratory_have_the_friction_that_it_declares(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

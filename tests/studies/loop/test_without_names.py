@@ -12,6 +12,7 @@ SIDE = 0.025
 """What restitution is more on one side than in the middle, and less on the other."""
 
 
+@pytest.mark.slow
 def test_what_one_coefficient_explains_is_unexplained_and_neither_revised_nor_learned_again(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
