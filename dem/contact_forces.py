@@ -261,7 +261,7 @@ def _sum_in_order(bodies, outline, lists, p):
     load[: q.MOMENT_SECOND + 1] = 0.0
     last_corner = -1
     while True:
-        k_next, c_next = np.int64(-1), outline.link.shape[1]
+        k_next, c_next = -1, outline.link.shape[1]
         for k in range(lists.pair[q.START, p], lists.pair[q.START, p + 1]):
             v = lists.slot[k, q.ACTIVE]
             if v >= 0 and last_corner < lists.slot[k, q.CORNER + v] < c_next:

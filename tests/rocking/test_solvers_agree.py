@@ -232,7 +232,7 @@ def test_a_broken_plugin_is_named_and_leaves_the_others_alone(other_package: Pat
     assert solve(system, theta=0.1, t_end=1.0, solver="scipy").outcome is Outcome.MOVING
 
 
-@pytest.mark.parametrize("name", available())
+@pytest.mark.parametrize("name", seldom(available()))
 def test_too_many_events_end_a_run_as_failed_with_the_reason(name: str) -> None:
     system = Method1(Block(b=0.2, h=0.8), form="linear", g=G)
     run = solve(system, theta=0.2, t_end=5.0, max_events=3, solver=name)
