@@ -226,8 +226,8 @@ def test_a_mass_hung_in_a_block_that_stands_swings_as_a_pendulum(damping: float)
 
 
 def test_a_hung_mass_swings_in_a_block_that_stands_to_the_second_order_of_the_step() -> None:
-    """The rotation 0.03 s after it has lifted the block, held against that of steps of a sixteenth. One order less, a base
-    taken a step off within a step, misses it by 4e-5 rad."""
+    """The rotation 0.03 s after it has lifted the block, held against that of steps of a sixteenth. One order less, a
+    base taken a step off within a step, misses it by 4e-5 rad."""
     world = replace(WORLD, slosh_mass=60.0, slosh_length=0.1, slosh_height=0.35, slosh_damping=0.2)
 
     def rotation(step: float) -> float:
