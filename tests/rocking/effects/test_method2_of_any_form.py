@@ -1,5 +1,6 @@
 """Method 2 of a block of any form on a floor that leans and pitches, with a couple: Lagrange's equations by algebra."""
 
+import functools
 import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -21,7 +22,8 @@ G = 9.80665
 BLOCK = Block(b=0.2, h=0.8)
 
 
-def _derive() -> Any:
+@functools.cache
+def equations() -> Any:
     """Lagrange's equations of a body (x, z, theta) over a floor that turns by beta about its middle.
 
     The carrying edge is an arc of radius r about the body point (s a - o, r - H); F and N act at its lowest point.
@@ -55,9 +57,6 @@ def _derive() -> Any:
     rows = [sp.expand(row.subs(plain)) for row in rows]
     A, rhs = sp.linear_eq_to_matrix(rows, [sp.Symbol("q0"), sp.Symbol("q1"), sp.Symbol("q2"), F, N])
     return sp.lambdify((a, r, o, H, rho2, s, g, a_x, a_z, C, th, om, be, ps, xs, zs), (A, rhs), "numpy")
-
-
-EQUATIONS = _derive()
 
 
 def steady(xp: Any, theta: Any, omega: Any, s: Any, base: Any, values: Any) -> Any:
@@ -110,7 +109,7 @@ def test_motion_and_forces_are_those_of_lagrange(
     z = height + r - (-u * math.sin(theta) + w * math.cos(theta))
     arm_x, arm_z = place + r * theta - x, height - z
     C = k * (form.rho2 + arm_x**2 + arm_z**2)
-    A, rhs = EQUATIONS(
+    A, rhs = equations()(
         a, r, o, H, form.rho2, s, G, base.a_x, base.a_z, C, theta, omega, base.pitch, base.pitch_acceleration, x, z
     )
     A, rhs = np.array(A, float), np.array(rhs, float).ravel()
