@@ -238,7 +238,7 @@ def objectives(
     return out
 
 
-def _free(window: Window) -> list[int]:
+def free_states(window: Window) -> list[int]:
     """Which of (theta, omega) at the start are unknown."""
     return [k for k, sd in enumerate((window.theta_sd, window.omega_sd)) if sd > 0.0]
 
@@ -257,7 +257,7 @@ class _Projected:
 
 
 def _projected(r: Array, A: Array, S: Array, window: Window, weight: float, known: Prior | None) -> _Projected:
-    free = _free(window)
+    free = free_states(window)
     S = S[:, free]
     if known is not None:
         # It does not count less where the window does.

@@ -94,6 +94,7 @@ class Window:
     ] = ()  # readings at the peaks before the start, from which slip and the like is carried over
     seen: Peak | None = None  # the state at the start as the record alone shows it
     struck: Struck = NEVER  # the impacts before the start
+    by_base: float = 0.0  # of the sum of squares over `sd`, what is the base sensor's on average, the state fitted [1]
 
     @property
     def weights(self) -> Array:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from studies.campaigns import Campaign, CampaignError, Channel, Test, motion_groups
 from studies.campaigns.signals import noise_told
+from studies.loop.fits.left_by_base import with_left_by_base
 from studies.loop.models.model import LoopModel
 from studies.loop.observed.spread import redrawn
 from studies.loop.observed.windows import (
@@ -132,8 +133,10 @@ def prepare(campaign: Campaign, declared: LoopModel, keeper: Keeper | None = Non
             f"the records hold {len(swings)} half-swings above 12 times their noise: want {FEWEST_WINDOWS} or more to "
             "learn from (larger motions, or a quieter sensor)"
         )
+    noisy = redrawn(campaign.tests, noise_of_base, factors=thinned)
+    swings = with_left_by_base(simulator, noisy, len(campaign.tests), start, swings)
     return Setup(
-        campaign, simulator, redrawn(campaign.tests, noise_of_base, factors=thinned), tuple(records), held,
+        campaign, simulator, noisy, tuple(records), held,
         tuple(swings), tuple(whole_windows(kept)), tuple(whole_windows([r for r in records if r.test in held])),
         start, tuple(notes),
     )  # fmt: skip

@@ -6,13 +6,14 @@ Status   where noise is declared; an estimated one is taken from the records the
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from rocking.effects.learned_reading import LearnedReading
 from studies.loop.fits.fitting import Fit
 from studies.loop.fits.linearising import ROBUST
-from studies.loop.observed.windows import PEAK_OVER_NOISE, SIDE
+from studies.loop.observed.windows import PEAK_OVER_NOISE, SIDE, Window
 from studies.loop.records.preparing import Setup
 from studies.loop.swings.tracing import Trial
 
@@ -70,7 +71,26 @@ def by_chance(setup: Setup, trial: Trial) -> bool:
     swing, counting = trial.swing, swings_that_count(setup, trial)
     free = 2 * len(counting) + len(swing.parameters)
     samples = sum(swing.residuals[i].size for i in counting)
-    return over_noise(setup, trial) ** 2 < 1.0 + CHANCE * math.sqrt(2.0 / max(samples - free, 1))
+    variance = 2.0 * (samples - free) + _more_scatter([swing.windows[i] for i in counting])
+    return over_noise(setup, trial) ** 2 < 1.0 + CHANCE * math.sqrt(variance) / max(samples - free, 1)
+
+
+def _more_scatter(windows: Sequence[Window]) -> float:
+    """By how much the variance of the sum of squares is more than that of as many samples of white noise.
+
+    What the noise of the base leaves in a swing is one slow curve, near enough: one degree of freedom.
+    """
+    more = 0.0
+    for w in windows:
+        own = 1.0 - w.by_base / max(w.data.size, 1)  # share of the sensor's own noise in the variance
+        more += 2.0 * (w.by_base**2 + 2.0 * w.by_base * own - w.data.size * (1.0 - own**2))
+    return max(more, 0.0)
+
+
+def _by_the_base(setup: Setup) -> float:
+    """What four standard deviations are more for the noise of the base, in the mean square of the swings."""
+    samples = sum(w.data.size for w in setup.swings)
+    return 4.0 * math.sqrt(_more_scatter(setup.swings)) / max(samples, 1)
 
 
 def swings_that_count(setup: Setup, trial: Trial) -> list[int]:
@@ -123,11 +143,15 @@ def slips(trial: Trial) -> bool:
 
 
 def structure(setup: Setup) -> float:
-    return STRUCTURE if declared_noise(setup) else STRUCTURE_OF_ESTIMATED
+    """Rms in the swings over their noise from which structure is left."""
+    return math.hypot(STRUCTURE if declared_noise(setup) else STRUCTURE_OF_ESTIMATED, math.sqrt(_by_the_base(setup)))
 
 
 def unexplained(setup: Setup) -> float:
-    return UNEXPLAINED if declared_noise(setup) else UNEXPLAINED_OF_ESTIMATED
+    """And from which it is too much to speak of an effect alone."""
+    return math.hypot(
+        UNEXPLAINED if declared_noise(setup) else UNEXPLAINED_OF_ESTIMATED, math.sqrt(_by_the_base(setup))
+    )
 
 
 def declared_noise(setup: Setup) -> bool:

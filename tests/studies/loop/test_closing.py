@@ -151,7 +151,7 @@ def test_what_was_learned_takes_the_place_of_names_where_it_explains_far_more(mo
     monkeypatch.setattr(
         closing, "learn", lambda simulator, onto, tell, rival=None, going_on=True: other if onto is plain else onto
     )
-    setup = SimpleNamespace(by_rotation=True, simulator=None, records=[])
+    setup = SimpleNamespace(by_rotation=True, simulator=None, records=[], swings=())
     chosen, verdict = closing._explained(setup, plain, None, found, records(rms), lambda text: None)
     assert verdict == ends
     assert chosen is (found if ends == "effect" else other)
@@ -218,7 +218,7 @@ def test_a_law_that_has_no_name_is_asked_of_whole_records_that_names_miss(monkey
 
     monkeypatch.setattr(closing, "search", search)
     monkeypatch.setattr(closing, "hinted", hinted)
-    setup = SimpleNamespace(by_rotation=True, simulator=None, records=[])
+    setup = SimpleNamespace(by_rotation=True, simulator=None, records=[], swings=())
     chosen, verdict = closing._explained(setup, plain, "bare", found, records(rms), lambda text: None)
     assert verdict == ends and chosen is (term if ends == "unexplained" else found)
     if asked:
@@ -252,7 +252,7 @@ def test_a_single_effect_is_doubted_only_where_no_start_meets_whole_records_and_
     monkeypatch.setattr(
         closing, "hinted", lambda setup, onto, bare, tried: seen.append([t.names[0] for t in tried.trials]) or ()
     )
-    setup = SimpleNamespace(by_rotation=True, simulator=None, records=[])
+    setup = SimpleNamespace(by_rotation=True, simulator=None, records=[], swings=())
     closing._explained(setup, plain, "bare", found, records(1.5), lambda text: None)
     assert seen == ([] if asked is None else [asked])
 
@@ -276,7 +276,7 @@ def test_what_swings_on_a_floor_that_gives_leave_is_that_of_how_they_begin_where
     monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
     monkeypatch.setattr(closing, "unexplained", lambda setup: 1.05)
     monkeypatch.setattr(closing, "learn", lambda *_, **__: plain)
-    setup = SimpleNamespace(simulator=None, records=[], by_rotation=by_rotation)
+    setup = SimpleNamespace(simulator=None, records=[], swings=(), by_rotation=by_rotation)
     assert closing._explained(setup, plain, None, found, records(rms), lambda text: None) == (found, ends)
 
 
@@ -349,7 +349,7 @@ def test_what_only_undoes_an_effect_is_not_learned(monkeypatch):
     monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
     monkeypatch.setattr(closing, "unexplained", lambda setup: 1.05)
     monkeypatch.setattr(closing, "learn", lambda _, onto, *__, **___: plain if onto is plain else other)
-    setup, met = SimpleNamespace(simulator=None, records=[]), records(1.0)
+    setup, met = SimpleNamespace(simulator=None, records=[], swings=()), records(1.0)
     assert closing._explained(setup, plain, None, found, met, lambda text: None) == (found, "effect")
 
 
@@ -382,7 +382,7 @@ def test_one_coefficient_takes_the_place_of_two_names_that_swings_and_whole_reco
         return Round(onto, [] if one is None else [one])
 
     monkeypatch.setattr(closing, "search", search)
-    setup = SimpleNamespace(by_rotation=True, simulator=None, records=[])
+    setup = SimpleNamespace(by_rotation=True, simulator=None, records=[], swings=())
     chosen, verdict = closing._explained(setup, plain, None, found, records(1.04), lambda text: None)
     assert verdict == ends and chosen is (one if ends == "unexplained" else found)
 
@@ -397,7 +397,7 @@ def test_nothing_is_learned_where_two_effects_leave_what_noise_leaves(monkeypatc
     monkeypatch.setattr(closing, "learn", lambda *_, **__: asked.append(1) or plain)
     for by_chance, learned in ((True, 0), (False, 2)):
         monkeypatch.setattr(closing, "by_chance", lambda setup, trial, is_so=by_chance: is_so)
-        setup = SimpleNamespace(simulator=None, records=[], by_rotation=True)
+        setup = SimpleNamespace(simulator=None, records=[], swings=(), by_rotation=True)
         whole = records(1.0)
         assert closing._explained(setup, plain, None, found, whole, lambda text: None) == (found, "effect")
         assert len(asked) == learned
@@ -414,7 +414,7 @@ def test_of_a_block_that_slips_whole_records_say_whether_two_effects_leave_anyth
     monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
     asked = []
     monkeypatch.setattr(closing, "learn", lambda *_, **__: asked.append(1) or plain)
-    setup = SimpleNamespace(simulator=None, records=[], by_rotation=by_rotation)
+    setup = SimpleNamespace(simulator=None, records=[], swings=(), by_rotation=by_rotation)
     whole = SimpleNamespace(rms=rms)
     assert closing._explained(setup, plain, None, found, whole, lambda text: None) == (found, "effect")
     assert len(asked) == learned
@@ -427,7 +427,7 @@ def noise_alone(rng, windows, of, slips=False, noise=1e-4):
     for r in residuals:
         r[:2] = 0.0
     swing = SimpleNamespace(
-        windows=(SimpleNamespace(theta=0.1, test=0),) * windows,
+        windows=(SimpleNamespace(theta=0.1, test=0, by_base=0.0, data=np.zeros(of)),) * windows,
         residuals=residuals,
         parameters=(),
         samples=windows * of,
