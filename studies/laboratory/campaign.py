@@ -28,7 +28,10 @@ from .truth import Truth
 FREQUENCIES = (2.5, 3.0, 3.5, 4.0, 4.5, 5.0)
 NUISANCES = (
     "missing", "clipping", "truncated", "overturns", "mixed_sampling", "vertical_channel", "quantised", "lossy",
+    "noisy_base",
 )  # fmt: skip
+NOISY_BASE = 4.0  # its noise over that of other campaigns, beside a rotation of QUIET_ROTATION
+QUIET_ROTATION = 5e-5  # rad
 LOSSY = (0.93, 0.99)  # restitution of a block with lossy impacts, over Housner's
 TARGET = {"strong": (4.0, 60.0), "weak": (1.3, 2.2)}  # baseline error over floor
 ACCELEROMETER_NOISE = 0.03  # m/s^2
@@ -93,6 +96,14 @@ def channels_of(rng: np.random.Generator, block: DeclaredBlock, kind: str, verti
         Channel("acc_right", "block_acceleration", noise, (half, 0.05), (0.0, 1.0)),
     )
     return Bench((*sensors, *channels), {c.name: float(rng.normal(0.0, MISALIGNMENT)) for c in sensors})
+
+
+def _noisy_base(channel: Channel) -> Channel:
+    if channel.kind == "rotation":
+        return replace(channel, noise=QUIET_ROTATION)
+    if channel.kind == "block_acceleration":
+        return channel
+    return replace(channel, noise=NOISY_BASE * (channel.noise or 0.0))
 
 
 def planted(
@@ -237,6 +248,8 @@ def make_campaign(
     odd = frozenset(nuisances)
     vertical = "vertical_channel" in odd and "vertical_motion" not in effects
     bench = replace(channels_of(rng, block, channel, vertical), nuisances=odd)
+    if "noisy_base" in odd:
+        bench = replace(bench, channels=tuple(map(_noisy_base, bench.channels)))
     if vertical:
         ideal = replace(ideal, table=Table(vertical=float(rng.uniform(-0.06, 0.06))))
     rate = float(rng.choice([200.0, 250.0, 250.0, 500.0]))

@@ -86,6 +86,20 @@ def test_impacts_may_lose_more_than_housners_do(tmp_path) -> None:
         make_campaign(3, [], tmp_path, nuisances=["lossy"], engine="mujoco")
 
 
+def test_a_noisy_base_is_recorded_beside_a_quiet_rotation(tmp_path) -> None:
+    """Four times the noise, as it is declared; the base itself moves as it did."""
+    plain, noisy = (
+        read(tmp_path / name / "campaign")
+        for name, nuisances in (("plain", []), ("noisy", ["noisy_base"]))
+        if make_campaign(3, [], tmp_path / name, nuisances=nuisances)
+    )
+    before, after = ({c.kind: c.noise for c in campaign.channels} for campaign in (plain, noisy))
+    assert after == {"rotation": 5e-5, "base_acceleration_x": pytest.approx(4.0 * before["base_acceleration_x"])}
+    shaken = [k for k, test in enumerate(plain.tests) if test.kind == "forced"]
+    apart = np.concatenate([noisy.tests[k].data["base_x"] - plain.tests[k].data["base_x"] for k in shaken])
+    assert apart.std() == pytest.approx(3.0 * before["base_acceleration_x"], rel=0.05)
+
+
 def test_a_clean_campaign_is_explained_by_the_ideal_block(tmp_path) -> None:
     """The baseline has a restitution to fit; its error is noise of the sensor, and what noise of the base does."""
     truth = make_campaign(3, [], tmp_path)
