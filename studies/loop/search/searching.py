@@ -98,6 +98,10 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     if _one_term_is_enough(setup, plain, tell):
         rounds = [replace(r, skipped=r.skipped | {c.name: ONE_TERM for c in r.put_off}) for r in rounds]
         return _told(setup, quick, paths, greedy, rounds)
+    third = _with_a_third(setup, quick, pool, tell)
+    if third is not None:
+        rounds = [_with_reason(r) for r in _merged([third, *paths])]
+        return _told(setup, third, [third, *paths], greedy, rounds)
     tell("something is left: again with floors that give")
     floors = [followed(setup, begin, pool, tell, begun=_to_go_through_again(rounds))]
     # What stood of the greedy path was gone through again.
@@ -215,6 +219,19 @@ def _nothing_is_left(setup: Setup, path: Path) -> bool:
     # left is a median over the windows, and says nothing of a minority of them; whole records do.
     met = path.whole.rms < MISSED
     return met if slips(path.last) else by_chance(setup, path.last) and (met or not setup.by_rotation)
+
+
+def _with_a_third(setup: Setup, path: Path, pool: Sequence[Candidate], tell: Tell) -> Path | None:
+    """The path with one effect more than two, if nothing is left then.
+
+    Three effects may stand in for much, so that they have to leave no more than chance does of the swings, and to meet
+    whole records.
+    """
+    if len(path.trials) != 3 or path.last.costly or slips(path.last) or not declared_noise(setup):
+        return None
+    tell("something is left: asking for a third effect")
+    found = followed(setup, path, [c for c in pool if not c.costly], tell)
+    return found if len(found.trials) > 3 and _leaves_nothing(setup, found) else None
 
 
 def _going_back(setup: Setup, greedy: Path, pool: Sequence[Candidate], tell: Tell) -> list[Path]:

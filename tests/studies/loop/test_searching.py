@@ -151,7 +151,8 @@ def test_floors_are_tried_in_the_same_rounds_where_two_effects_leave_something(w
     # A floor in the first round: what came after the other effect there is not asked again.
     assert [t.names for t in found.trials] == [(), ("floor",)]
     again = [entry for entry in ways.rounds if not entry[1]]
-    assert again[0] == ((), False, True)
+    # A third effect comes first, where none was asked for yet.
+    assert again[: 2 - chance] == [*([] if chance else [(("a", "b"), False, False)]), ((), False, True)]
     # Two effects have to be enough at first.
     assert ((("a", "b")), True, False) not in ways.rounds or chance
 
@@ -484,6 +485,20 @@ def test_floors_have_to_serve_better_than_what_going_back_found(floors, floor):
     assert set(said.values()) == {None}
 
 
+@pytest.mark.parametrize(("leaves_nothing", "whole"), [(True, 1.0), (True, 2.0), (False, 1.0)])
+def test_a_third_effect_is_asked_for_before_floors_and_has_to_leave_nothing(floors, monkeypatch, leaves_nothing, whole):
+    """Nothing of the swings but by chance, and whole records met."""
+    monkeypatch.setattr(rounds, "by_chance", lambda setup, trial: False)
+    third = floors.accepted[("a", "b"), False] = path_of("a", "b", "c", chi2=300.0)
+    floors.enough, floors.whole = third if leaves_nothing else None, whole
+    found = floors.searched()
+    asked_of_floors = any(known and not later for _, later, known in floors.rounds)
+    assert asked_of_floors == (not leaves_nothing or whole > 1.5)
+    if not asked_of_floors:
+        assert found.last is third and ontos(found)[:3] == [(), ("a",), ("a", "b")]
+        assert {r.skipped.get("floor") for r in found.rounds if r.put_off} == {searching.NOT_ON_TOP}
+
+
 def test_floors_are_tried_on_top_of_the_first_effect_of_the_way_back(floors):
     floors.accepted[("a",), False] = path_of("a", "floor", costly=True, chi2=200.0)
     assert floors.searched().last.names == ("a", "floor")
@@ -551,7 +566,8 @@ def test_what_was_left_explains_most_by_itself_only_if_it_does(stand_in):
 def term(stand_in, monkeypatch):
     """One coefficient without a name leaves nothing; `both` leaves something, with the smooth `b` on top of it too."""
     found = path_of("learned[side]", chi2=450.0)
-    pool = [SimpleNamespace(name=n, effect=n, smooth=n != "rough", in_swings=True) for n in ("both", "a", "b", "rough")]
+    names = ("both", "a", "b", "rough")
+    pool = [SimpleNamespace(name=n, effect=n, smooth=n != "rough", in_swings=True, costly=False) for n in names]
     stand_in.pools, stand_in.enough = [], None
     stand_in.accepted = {((), True): stand_in.first["both"], (("both",), True): path_of("both", "b", chi2=600.0)}
     stand_in.put_off = (SimpleNamespace(name="floor"),)
