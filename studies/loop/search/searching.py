@@ -225,13 +225,17 @@ def _with_a_third(setup: Setup, path: Path, pool: Sequence[Candidate], tell: Tel
     """The path with one effect more than two, if nothing is left then.
 
     Three effects may stand in for much, so that they have to leave no more than chance does of the swings, and to meet
-    whole records.
+    whole records; these are rugged, and are fitted from more starts before they say no.
     """
     if len(path.trials) != 3 or path.last.costly or slips(path.last) or not declared_noise(setup):
         return None
     tell("something is left: asking for a third effect")
     found = followed(setup, path, [c for c in pool if not c.costly], tell)
-    return found if len(found.trials) > 3 and _leaves_nothing(setup, found) else None
+    if len(found.trials) == 3 or not by_chance(setup, found.last):
+        return None
+    if setup.by_rotation and found.whole.rms > MISSED:
+        found = replace(found, fits=[*found.fits[:-1], whole_fit_from_many(setup, found.last, found.whole)])
+    return found if _leaves_nothing(setup, found) else None
 
 
 def _going_back(setup: Setup, greedy: Path, pool: Sequence[Candidate], tell: Tell) -> list[Path]:

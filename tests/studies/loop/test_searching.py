@@ -485,15 +485,20 @@ def test_floors_have_to_serve_better_than_what_going_back_found(floors, floor):
     assert set(said.values()) == {None}
 
 
-@pytest.mark.parametrize(("leaves_nothing", "whole"), [(True, 1.0), (True, 2.0), (False, 1.0)])
-def test_a_third_effect_is_asked_for_before_floors_and_has_to_leave_nothing(floors, monkeypatch, leaves_nothing, whole):
-    """Nothing of the swings but by chance, and whole records met."""
+@pytest.mark.parametrize(
+    ("leaves_nothing", "whole", "again"), [(True, 1.0, 3.0), (True, 2.0, 1.2), (True, 2.0, 1.4), (False, 1.0, 1.0)]
+)
+def test_a_third_effect_is_asked_for_before_floors_and_has_to_leave_nothing(
+    floors, monkeypatch, leaves_nothing, whole, again
+):
+    """Nothing of the swings but by chance, and whole records met; these are fitted from more starts if they are not."""
+    floors.again = lambda trial: SimpleNamespace(rms=again, of=trial.names, best=None)
     monkeypatch.setattr(rounds, "by_chance", lambda setup, trial: False)
     third = floors.accepted[("a", "b"), False] = path_of("a", "b", "c", chi2=300.0)
     floors.enough, floors.whole = third if leaves_nothing else None, whole
     found = floors.searched()
     asked_of_floors = any(known and not later for _, later, known in floors.rounds)
-    assert asked_of_floors == (not leaves_nothing or whole > 1.5)
+    assert asked_of_floors == (not leaves_nothing or min(whole, again) > 1.3)
     if not asked_of_floors:
         assert found.last is third and ontos(found)[:3] == [(), ("a",), ("a", "b")]
         assert {r.skipped.get("floor") for r in found.rounds if r.put_off} == {searching.NOT_ON_TOP}
