@@ -241,6 +241,15 @@ def test_too_many_events_end_a_run_as_failed_with_the_reason(name: str) -> None:
     assert np.sum(run.events.guard != BALANCE) <= 4
 
 
+# Three impacts in two seconds.
+@pytest.mark.parametrize("name", seldom(available()))
+def test_as_many_events_as_are_allowed_are_not_too_many(name: str) -> None:
+    system = Method1(Block(b=0.2, h=0.8), form="linear", g=G)
+    runs = [solve(system, theta=0.2, t_end=2.0, max_events=most, solver=name) for most in (2, 3)]
+    assert [run.outcome for run in runs] == [Outcome.FAILED, Outcome.MOVING]
+    assert len(runs[1].events.guard) == 3
+
+
 # Sampled motions forgive a time a billionth of a step where they begin and end: a solver that comes that near to an
 # edge sees what lies behind it.  The base jumps to 5 m/s^2, the block stands 2.45 m/s^2.
 @pytest.mark.parametrize("name", seldom(available()))

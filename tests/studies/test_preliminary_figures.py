@@ -196,6 +196,17 @@ def test_bad_options_are_one_sentence(name, arguments, message, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("best", [0.1, 0.4])
+def test_a_fit_may_end_at_either_end_of_the_ratios_that_are_tried(best):
+    """A stub whose curve comes the closer, the nearer the logarithm of the dashpot is."""
+    stub = SimpleNamespace(
+        dashpot=lambda ratio, stiffness: ratio * stiffness,
+        elements=lambda dashpot, stiffness: np.full(5, 1.0 + abs(np.log(dashpot / stiffness / best))),
+    )
+    found = fitted(stub, np.ones(5), (0.1, 0.2, 0.4), 3.0)
+    assert found.damping == pytest.approx(3.0 * best, rel=1e-9) and found.misfit == pytest.approx(0.0, abs=1e-12)
+
+
 def test_a_share_of_critical_damping_is_that_of_the_whole_block_on_one_spring():
     """c = 2 xi sqrt(k m), by hand for 4 kg on 100 N/m."""
     released = Released(Block(0.1, 0.4, 0.2, density=500.0), 0.4, 2.0)
