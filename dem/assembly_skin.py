@@ -3,7 +3,7 @@
 Contacts are looked for within the skin around a body. What crosses it within a step may pass through another body.
 
 Source  none, own rules
-Status  a body that falls onto another from high up is caught with the default step (tests)
+Status  the default step is as short as the skin asks for, whatever the masses (tests)
 """
 
 from __future__ import annotations

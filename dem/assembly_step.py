@@ -152,10 +152,8 @@ def _advance_assembly(
         lists, spare = lists_b, lists_a
     step, until_save, n = counts[STEP], counts[UNTIL_SAVE], counts[SAVED]
     due, finishing, fallen = counts[DUE], counts[FINISHING], np.int64(0)
-    first_step, no = (
-        counts[FIRST] == 1,
-        np.bool_(False),
-    )  # where False itself is given, all is compiled once more for it
+    first_step = counts[FIRST] == 1
+    no = np.bool_(False)  # where False itself is given, all is compiled once more for it
     for b in range(movable):
         fallen += bodies[q.FELL, b] == bodies[q.FELL, b]
     low, high = share_of(movable, worker, workers)

@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from studies.loop.fits.linearising import free_states, linearised, residuals
+from studies.loop.fits.linearising import free_states, linearised, read_of
 from studies.loop.models.model import LoopModel
 from studies.loop.observed.windows import Window
 from studies.loop.runs.simulation import Simulator
@@ -36,14 +36,15 @@ def with_left_by_base(
         model: under which the responses are computed.
         windows: of single swings.
     """
-    recorded = linearised(simulator, model, [], windows)
-    states = zip(recorded.by_state, windows, strict=True)
+    recorded = read_of(simulator, model, windows)
+    states = zip(linearised(simulator, model, [], windows, read=recorded).by_state, windows, strict=True)
     followed = [np.linalg.qr(by_state[:, free_states(w)])[0] for by_state, w in states]
     squares = np.zeros(len(windows))
     for k in range(DRAWS):
-        moved = residuals(noisy, model, [replace(w, test=k * count + w.test) for w in windows])
-        for i, (r, own, Q) in enumerate(zip(moved, recorded.residuals, followed, strict=True)):
-            shift = r - own
+        moved = read_of(noisy, model, [replace(w, test=k * count + w.test) for w in windows])
+        for i, (w, read, own, Q) in enumerate(zip(windows, moved, recorded, followed, strict=True)):
+            # Accelerometers of a block on the other side are not compared, and shift nothing.
+            shift = np.nan_to_num((read - own) * w.weights, nan=0.0)
             squares[i] += float(shift @ shift - (Q.T @ shift) @ (Q.T @ shift))
     return [_weighed(w, s / DRAWS) for w, s in zip(windows, squares.tolist(), strict=True)]
 
