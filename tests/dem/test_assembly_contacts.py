@@ -255,6 +255,26 @@ def test_blocks_of_a_column_are_named_from_below():
     assert names[4] == ("lower block", "middle 1 block", "middle 2 block", "upper block")
 
 
+def test_a_corner_above_the_end_of_an_edge_that_does_not_face_it_falls_freely_until_it_lands():
+    """The edge of the diamond over the blunt end of the top (160 degrees) is turned 25 degrees too far to meet it: the
+    contact has one corner, not two. Fall of gap 2 mm, less than the skin, so that it is listed from the start."""
+    gap, r, drop = 0.002, 0.07, 0.1 * math.tan(math.radians(20.0))
+    blunt = dem.body([(-0.3, 0), (0.3, 0), (0.3, 0.2 - drop), (0.2, 0.2), (-0.2, 0.2), (-0.3, 0.2 - drop)], D, DENSITY)
+    lowest = np.array([0.199, 0.2 + gap])
+    diamond = dem.body(lowest + r * np.array([(0, 0), (1, 1), (0, 2), (-1, 1)]), D, DENSITY)
+    fall = math.sqrt(2.0 * gap / G)
+    run = dem.simulate_assembly(
+        dem.Assembly((blunt, diamond), standing=False), t_end=1.5 * fall, dt=1e-5, save_every=10, settle=False,
+        contact=dem.Contact(1.0, damping_ratio=0.05), criteria=dem.Criteria(stop="never"),
+    )  # fmt: skip
+    assert run.settings["judgement_skin"] > 2.0 * gap
+    free = run.time < 0.99 * fall
+    assert run.z[free, 1] - run.z[0, 1] == pytest.approx(-0.5 * G * run.time[free] ** 2, abs=1e-12)
+    assert not run.theta[free].any() and not (run.x[free] - run.x[0]).any()
+    landed = run.time > 1.05 * fall
+    assert (run.z[landed, 1] - run.z[0, 1] > -0.5 * G * run.time[landed] ** 2 + 1e-6).all()
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_a_contact_is_never_missed_lists_with_a_skin_give_the_bits_of_lists_made_at_every_step(name):
     scene, amplitude = SCENES[name]
