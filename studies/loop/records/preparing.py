@@ -110,10 +110,14 @@ def prepare(campaign: Campaign, declared: LoopModel, keeper: Keeper | None = Non
     start = reconstruction.mounted(declared, simulator, sensors)
     noises = {c.name: _typical_noise(campaign, c) for c in sensors}
     records, notes = _by_rotation(campaign)
+    reader = start
     if records:
         records = [with_accelerometers(r, campaign.tests[r.test], noises, campaign.block.alpha) for r in records]
     else:
         records = reconstruction.records(simulator, start, sensors, noises)
+        reader = reconstruction.with_its_mass(simulator, start, records)
+        if reader is not start:
+            records = reconstruction.records(simulator, reader, sensors, noises)
     if not records:
         raise CampaignError(
             "no test has a record of the response: want a rotation channel or accelerometers on the block to learn from"
@@ -126,7 +130,7 @@ def prepare(campaign: Campaign, declared: LoopModel, keeper: Keeper | None = Non
     kept = [r for r in records if r.test not in held]
     swings = swing_windows(kept)
     if any(SIDE in r.channels for r in records):
-        swings, lost = reconstruction.put_right(simulator, start, swings)
+        swings, lost = reconstruction.put_right(simulator, reader, swings)
         notes += [f"{lost} half-swings left out: the accelerometers do not say when they ended"] if lost else []
     if len(swings) < FEWEST_WINDOWS:
         raise CampaignError(

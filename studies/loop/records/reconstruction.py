@@ -5,6 +5,10 @@ acceleration of a rocking block changes sign with it.  For each sample three hyp
 to -x) are weighed, and the likeliest sequence of them is found (Viterbi).  Each stretch of one side is then fitted with
 a free state.  What comes out serves to cut records into swings; effects are judged in the channels themselves.
 
+The block's own mass may be other than a uniform rectangle's; a reading, in which rotation and angular acceleration
+nearly cancel, then tells a rotation that is far off.  Where stretches are missed by far, centre of mass and inertia are
+fitted along with their states, and sides and rotations are found by these.
+
 Source   Viterbi (1967) for the sequence.
 Status   mounting angles are estimated from what the sensors read at rest; free and forced runs are got back (tests).
 """
@@ -23,14 +27,18 @@ from rocking.hybrid import REST, ROTATION
 from studies.campaigns import Channel, Test
 from studies.campaigns.clipping import clipped
 from studies.campaigns.swings import segment
-from studies.loop.fits.fitting import fit
+from studies.loop.fits.fitting import Fit, fit
 from studies.loop.fits.linearising import residuals
+from studies.loop.models.candidates import candidates
 from studies.loop.models.model import MOUNTING, LoopModel
+from studies.loop.models.parameters import Parameter
 from studies.loop.observed.observing import readings
 from studies.loop.observed.windows import SIDE, Record, Window, cut
 from studies.loop.runs.simulation import Job, Simulator
 
 Array = NDArray[np.float64]
+
+MASS = "mass_distribution"
 
 NEAR_IMPACT = 2
 """Samples on either side of a change of side that are not compared: the jump falls somewhere between them."""
@@ -49,6 +57,18 @@ LEAST = 8
 
 FAR_OFF = 6.0
 """Windows with a misfit beyond this many medians have lost their impact."""
+
+MISSED = 2.0
+"""Sum of squares over its expectation that the uniform block may leave of stretches before the mass is asked for."""
+
+MUCH_BETTER = 2.0
+"""By what factor another mass has to lessen that."""
+
+FEW = 60
+"""Stretches, the longest, that are asked."""
+
+ANEW, SETTLED = 6, 0.01
+"""How often their states are looked for anew at the most, and the share of the sum of squares that ends it."""
 
 SCANNED = np.linspace(0.03, 0.99, 40)
 """States at the start of a stretch that are tried, as shares of the largest (to the power 3/2: denser for small)."""
@@ -81,6 +101,45 @@ def mounted(model: LoopModel, simulator: Simulator, sensors: Sequence[Channel]) 
             top, bottom = top + float(slope @ left) / sd**2, bottom + float(slope @ slope) / sd**2
         angles[f"{MOUNTING}.{channel.name}"] = top / bottom
     return model.changed(angles)
+
+
+def with_its_mass(simulator: Simulator, model: LoopModel, records: Sequence[Record]) -> LoopModel:
+    """The model by which records are to be read: itself, or with the mass that stretches ask for.
+
+    records: as read by the model.
+    """
+    windows = _longest(simulator, model, records)
+    if len(windows) < LEAST:
+        return model
+    before = fit(simulator, model, [], windows, iterations=10)
+    if before.chi2 < MISSED * before.samples:
+        return model
+    by_mass = next(c for c in candidates(model.declared) if c.effect == MASS)
+    after = _of_mass(simulator, model.changed(by_mass.starts[0]), by_mass.parameters, records)
+    return after.model if after.chi2 < before.chi2 / MUCH_BETTER else model
+
+
+def _of_mass(
+    simulator: Simulator, model: LoopModel, parameters: Sequence[Parameter], records: Sequence[Record]
+) -> Fit:
+    """The mass that stretches ask for; the states of these are looked for anew by each mass that was found."""
+    found = fit(simulator, model, parameters, _longest(simulator, model, records))
+    for _ in range(ANEW):
+        before = found
+        found = fit(simulator, before.model, parameters, _longest(simulator, before.model, records))
+        if found.chi2 > (1.0 - SETTLED) * before.chi2:
+            break
+    return min(before, found, key=lambda f: f.chi2)
+
+
+def _longest(simulator: Simulator, model: LoopModel, records: Sequence[Record]) -> list[Window]:
+    """The longest stretches of all records on one side."""
+    found = [
+        (record, part) for record in records if record.sides is not None for part in _stretches(record.sides)
+        if part.side != 0 and record.time[_inner(part, record)].size >= LEAST
+    ]  # fmt: skip
+    longest = sorted(found, key=lambda one: one[1].start - one[1].stop)[:FEW]
+    return _windows(simulator, model, longest)
 
 
 def _standing(test: Test, channel: Channel, sd: float, onset: float) -> NDArray[np.bool_]:
@@ -260,15 +319,13 @@ def _rotation(
     """Rotation at the samples, NaN where it is not known; stretches that follow one of the other side, with the angular
     speed at their start [rad/s]; and the first sample of a fall."""
     rotation = np.full(record.time.size, np.nan)
-    windows, where = [], []
     for part in parts:
         if part.side == 0:
             rotation[part.start : part.stop] = 0.0
-        elif record.time[_inner(part, record)].size >= LEAST:
-            windows.append(_window(simulator, model, record, part))
-            where.append(part)
-    if not windows:
+    where = [part for part in parts if part.side != 0 and record.time[_inner(part, record)].size >= LEAST]
+    if not where:
         return rotation, [], record.time.size
+    windows = _windows(simulator, model, [(record, part) for part in where])
     fitted = fit(simulator, model, [], windows, iterations=10).windows
     fell = record.time.size
     times = [record.time[_inner(part, record)] for part in where]
@@ -295,27 +352,36 @@ def _inner(part: Stretch, record: Record) -> slice:
     return slice(first, max(first, last))
 
 
-def _window(simulator: Simulator, model: LoopModel, record: Record, part: Stretch) -> Window:
-    """A stretch with a state to start from: of many states those that fit best.
+def _windows(simulator: Simulator, model: LoopModel, parts: Sequence[tuple[Record, Stretch]]) -> list[Window]:
+    """Stretches with a state to start from: of many states those that fit best.
 
-    A stretch begins soon after an impact with little rotation, or with a release without speed.  A run that comes to
-    an impact before the stretch ends fits badly, by jumps that derivatives do not see: hence the scan.
+    A run that comes to an impact before the stretch ends fits badly, by jumps that derivatives do not see: hence the
+    scan.
     """
+    tried = [_scanned(simulator, model, record, part) for record, part in parts]
+    left = iter(residuals(simulator, model, [window for windows in tried for window in windows]))
+    found = []
+    for windows in tried:
+        misses = [float(np.mean(np.minimum(np.abs(next(left)), 30.0))) for _ in windows]
+        found.append(windows[int(np.argmin(misses))])
+    return found
+
+
+def _scanned(simulator: Simulator, model: LoopModel, record: Record, part: Stretch) -> list[Window]:
+    """A stretch from many states: soon after an impact with little rotation, or at a release without speed."""
     time = record.time[_inner(part, record)]
     alpha, most = model.declared.alpha, 1.5 * model.declared.p(model.g) * model.declared.alpha
     released = part.start == 0 and record.kind == "free"
     since = (NEAR_IMPACT + 0.5) * simulator.tests[record.test].time_step
     scanned = SCANNED**1.5 * (alpha if released else most)
     states = [(part.side * x, 0.0) if released else (part.side * x * since, part.side * x) for x in scanned]
-    windows = [
+    return [
         cut(
             record, 0, float(time[0]), float(time[-1]), theta=theta, omega=omega, theta_prior=theta,
             theta_sd=math.inf if released else max(0.3 * abs(theta), 2e-3), omega_sd=0.0 if released else math.inf,
         )
         for theta, omega in states
     ]  # fmt: skip
-    found = [float(np.mean(np.minimum(np.abs(r), 30.0))) for r in residuals(simulator, model, windows)]
-    return windows[int(np.argmin(found))]
 
 
 def put_right(simulator: Simulator, model: LoopModel, windows: Sequence[Window]) -> tuple[list[Window], int]:
@@ -342,5 +408,7 @@ def put_right(simulator: Simulator, model: LoopModel, windows: Sequence[Window])
 
 
 def _far_off(simulator: Simulator, model: LoopModel, windows: Sequence[Window]) -> list[int]:
+    if not windows:
+        return []
     rms = np.array([math.sqrt(float(np.mean(r * r))) for r in residuals(simulator, model, windows)])
     return [int(i) for i in np.flatnonzero(rms > FAR_OFF * max(1.0, float(np.median(rms))))]

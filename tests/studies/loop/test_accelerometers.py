@@ -12,6 +12,9 @@ import pytest
 
 from excitation import RampedSinusoid
 from rocking import Block, Method1, solve
+from rocking.effect import Effect
+from rocking.effects import compose
+from rocking.effects.mass_distribution import MassDistribution
 from rocking.instruments import accelerometer
 from studies.campaigns import Campaign, CampaignError, Channel, Conditions, DeclaredBlock, Test
 from studies.loop.closing import STANDARD_GRAVITY
@@ -21,6 +24,7 @@ from studies.loop.models.model import LoopModel
 from studies.loop.observed.observing import jobs_of, observe
 from studies.loop.observed.windows import SIDE, whole_windows
 from studies.loop.records.preparing import Setup, prepare
+from studies.loop.records.reconstruction import put_right
 from studies.loop.swings.tracing import E, baseline
 
 BLOCK = Block(0.2, 0.8, 0.4)
@@ -39,11 +43,10 @@ def turned(channel: Channel) -> tuple[float, float]:
     return x * math.cos(angle) + z * math.sin(angle), -x * math.sin(angle) + z * math.cos(angle)
 
 
-@pytest.fixture(scope="module")
-def truth() -> tuple[Campaign, list[np.ndarray]]:
+def measured(effects: tuple[Effect, ...] = ()) -> tuple[Campaign, list[np.ndarray]]:
     """Three free tests and a forced one, and the rotation that nobody measured."""
     rng = np.random.default_rng(7)
-    system = Method1(BLOCK, restitution=TRUE_E, g=TRUE_G)
+    system = compose(Method1(BLOCK, restitution=TRUE_E, g=TRUE_G), effects)
     tests, rotations = [], []
     for k, lean in enumerate((*LEANS, 0.0)):
         motion = RampedSinusoid(3.0, 8.0, 7.0) if lean == 0.0 else None
@@ -60,6 +63,11 @@ def truth() -> tuple[Campaign, list[np.ndarray]]:
         tests.append(Test(f"{kind}-{k}", kind, t, tuple(channels), data, initial_rotation=lean or None))  # type: ignore[arg-type]
         rotations.append(run.theta)
     return Campaign("", DECLARED, Conditions(), (TOP, LEFT, BASE), tuple(tests)), rotations
+
+
+@pytest.fixture(scope="module")
+def truth() -> tuple[Campaign, list[np.ndarray]]:
+    return measured()
 
 
 @pytest.fixture(scope="module")
@@ -95,6 +103,20 @@ def test_the_calibration_finds_restitution_mounting_and_gravity(setup: Setup) ->
         assert abs(found.swing.model.get(parameter.name) - truth[parameter.name]) < 4.0 * sd
         # So sure from four tests: restitution to a third of a per cent, angles to 3 mrad, gravity to 3 mm/s^2.
         assert sd < 3e-3
+
+
+# In readings the rotation and the angular acceleration nearly cancel: a block whose mass sits a tenth higher and has a
+# tenth more inertia reads like a uniform one at twice the rotation.
+@pytest.mark.parametrize(("height", "inertia"), [(1.1, 1.1), (0.9, 1.0)])
+def test_leans_are_got_back_of_a_block_with_another_mass(height: float, inertia: float) -> None:
+    mass = MassDistribution(height=height * 0.5 * BLOCK.h, inertia=inertia * BLOCK.I_c)
+    found = prepare(measured((mass,))[0], LoopModel(DECLARED, 0.9, {}, STANDARD_GRAVITY))
+    np.testing.assert_allclose([r.lean for r in found.records[:3]], LEANS, rtol=0.0, atol=4e-3)
+    assert "mass_distribution" not in found.start.effects
+
+
+def test_nothing_is_left_of_no_stretches(setup: Setup) -> None:
+    assert put_right(setup.simulator, setup.start, []) == ([], 0)
 
 
 def test_readings_of_a_run_are_those_of_the_instrument(setup: Setup, truth) -> None:
