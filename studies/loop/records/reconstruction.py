@@ -119,9 +119,7 @@ def with_its_mass(simulator: Simulator, model: LoopModel, records: Sequence[Reco
     return after.model if after.chi2 < before.chi2 / MUCH_BETTER else model
 
 
-def _of_mass(
-    simulator: Simulator, model: LoopModel, parameters: Sequence[Parameter], records: Sequence[Record]
-) -> Fit:
+def _of_mass(simulator: Simulator, model: LoopModel, parameters: Sequence[Parameter], records: Sequence[Record]) -> Fit:
     """The mass that stretches ask for; the states of these are looked for anew by each mass that was found."""
     found = fit(simulator, model, parameters, _longest(simulator, model, records))
     for _ in range(ANEW):

@@ -21,7 +21,7 @@ from studies.loop.models.names import readable
 from studies.loop.records.preparing import Setup
 from studies.loop.search.revising import set_aside
 from studies.loop.search.rounds import Path, Tell, followed, nothing_of_swings, same, searched
-from studies.loop.swings.learning import by_itself, terms
+from studies.loop.swings.learning import by_itself, profiles, terms
 from studies.loop.swings.tracing import (
     LEADS,
     PAYS,
@@ -56,6 +56,8 @@ MOST_IN_PLACE_OF_THE_FIRST = 2
 NOT_ON_TOP = "floors that give were not tried on top of this; runs take long"
 
 ONE_TERM = "one coefficient without a name leaves nothing over the noise, nor of whole records; runs take long"
+
+ONE_CURVE = "one curve against the rotation leaves nothing over the noise, nor of whole records; runs take long"
 
 OF_THE_ROTATION_SENSOR = ("rotation_gain", "rotation_offset")
 
@@ -98,6 +100,10 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     if _one_term_is_enough(setup, plain, tell):
         rounds = [replace(r, skipped=r.skipped | {c.name: ONE_TERM for c in r.put_off}) for r in rounds]
         return _told(setup, quick, paths, greedy, rounds)
+    curve = _curve_in_place(setup, plain, quick, tell) if floor is None else None
+    if curve is not None:
+        rounds = [replace(r, skipped=r.skipped | {c.name: ONE_CURVE for c in r.put_off}) for r in rounds]
+        return replace(_told(setup, quick, paths, greedy, rounds), term=curve)
     third = _with_a_third(setup, quick, pool, tell)
     if third is not None:
         rounds = [_with_reason(r) for r in _merged([third, *paths])]
@@ -161,6 +167,23 @@ def _one_term_is_enough(setup: Setup, plain: Trial, tell: Tell) -> bool:
     tell("something is left: asking coefficients without a name")
     best = search(setup.simulator, plain, terms(plain.swing.model.declared), tell, leading=True).best
     return best is not None and _enough(setup, best) is not None
+
+
+def _curve_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial | None:
+    """A curve against the rotation that leaves nothing of swings and whole records, where a path leaves something.
+
+    Swings have to prefer it by far, and whole records must not refuse it.  Floors that give have been asked alone, and
+    of what they do together with something else one curve says little.
+    """
+    if not setup.by_rotation or not declared_noise(setup):
+        return None
+    tell("something is left: asking curves against the rotation")
+    curves = profiles(plain.swing.model.declared, plain.swing.windows)
+    best = search(setup.simulator, plain, curves, tell, leading=True).best
+    if best is None or bic(best.swing) > bic(path.last.swing) - PAYS:
+        return None
+    whole = _enough(setup, best)
+    return None if whole is None or explains_more(setup, path.whole, whole) else best
 
 
 def _enough(setup: Setup, term: Trial) -> Fit | None:
