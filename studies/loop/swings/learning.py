@@ -81,8 +81,8 @@ FURTHEST = 1.02
 NEAR_UPRIGHT = 0.2
 """And where one ends that acts near upright."""
 
-MODES = (0.5, 1.0, 2.0, 4.0, 8.0)
-"""Circular frequencies over the block's p from which a mode is tried."""
+MODES = (0.5, 0.71, 1.0, 1.41, 2.0, 2.83, 4.0, 5.66, 8.0)
+"""Circular frequencies over the block's p from which a mode is tried: a heavy one is found from no further off."""
 
 PLATES = (3.0, 5.0, 8.0, 13.0, 20.0, 32.0)
 """Frequencies from which a plate is tried [Hz]."""
