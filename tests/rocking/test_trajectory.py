@@ -144,6 +144,16 @@ def test_samples_are_kept_at_the_times_asked_for_up_to_the_fall(slender: Block, 
     assert len(solve(Method1(slender, g=G), theta=0.1, t_end=1.0, save_at=[], solver=solver).t) == 0
 
 
+@pytest.mark.parametrize("solver", ["numba", "scipy", "taylor", "exact"])
+def test_a_time_that_is_asked_for_twice_is_kept_twice(solver: str) -> None:
+    """Until the first impact alpha - theta = (alpha - theta_0) cosh(p t): Housner (1963), eq. (4)."""
+    system = Method1(Block(0.2, 0.8), form="linear", onset="linear", g=G)
+    times = np.array([0.0, 0.0, 0.0, 0.1, 0.1, 0.2, 0.2])
+    run = solve(system, theta=0.1, t_end=0.2, save_at=times, solver=solver)
+    assert run.t == pytest.approx(times, abs=0.0)
+    assert run.theta == pytest.approx(ALPHA - (ALPHA - 0.1) * np.cosh(math.sqrt(P2) * times), abs=1e-7)
+
+
 def test_a_trajectory_is_told_in_one_line(slender: Block) -> None:
     run = solve(Method1(slender, g=G), theta=0.1, t_end=1.0)
     assert repr(run) == f"<Trajectory method1 by numba: 0 to 1 s, {len(run.impact_times)} impacts, still moving>"
