@@ -21,7 +21,7 @@ from studies.loop.models.names import readable
 from studies.loop.records.preparing import Setup
 from studies.loop.search.revising import set_aside
 from studies.loop.search.rounds import Path, Tell, followed, nothing_of_swings, same, searched
-from studies.loop.swings.learning import by_itself, profiles, terms
+from studies.loop.swings.learning import by_itself, inner, profiles, terms
 from studies.loop.swings.tracing import (
     LEADS,
     PAYS,
@@ -57,7 +57,7 @@ NOT_ON_TOP = "floors that give were not tried on top of this; runs take long"
 
 ONE_TERM = "one coefficient without a name leaves nothing over the noise, nor of whole records; runs take long"
 
-ONE_CURVE = "one curve against the rotation leaves nothing over the noise, nor of whole records; runs take long"
+ONE_FORM = "one form without a name leaves nothing over the noise, nor of whole records; runs take long"
 
 OF_THE_ROTATION_SENSOR = ("rotation_gain", "rotation_offset")
 
@@ -100,10 +100,10 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     if _one_term_is_enough(setup, plain, tell):
         rounds = [replace(r, skipped=r.skipped | {c.name: ONE_TERM for c in r.put_off}) for r in rounds]
         return _told(setup, quick, paths, greedy, rounds)
-    curve = _curve_in_place(setup, plain, quick, tell) if floor is None else None
-    if curve is not None:
-        rounds = [replace(r, skipped=r.skipped | {c.name: ONE_CURVE for c in r.put_off}) for r in rounds]
-        return replace(_told(setup, quick, paths, greedy, rounds), term=curve)
+    form = _form_in_place(setup, plain, quick, tell) if floor is None else None
+    if form is not None:
+        rounds = [replace(r, skipped=r.skipped | {c.name: ONE_FORM for c in r.put_off}) for r in rounds]
+        return replace(_told(setup, quick, paths, greedy, rounds), term=form)
     third = _with_a_third(setup, quick, pool, tell)
     if third is not None:
         rounds = [_with_reason(r) for r in _merged([third, *paths])]
@@ -169,21 +169,28 @@ def _one_term_is_enough(setup: Setup, plain: Trial, tell: Tell) -> bool:
     return best is not None and _enough(setup, best) is not None
 
 
-def _curve_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial | None:
-    """A curve against the rotation that leaves nothing of swings and whole records, where a path leaves something.
+def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial | None:
+    """A form of many coefficients that leaves nothing of swings and whole records, where a path leaves something.
 
+    A curve against the rotation, or what goes on in time within the block or beside it, of which runs take longer.
     Swings have to prefer it by far, and whole records must not refuse it.  Floors that give have been asked alone, and
-    of what they do together with something else one curve says little.
+    of what they do together with something else one such form says little.
     """
     if not setup.by_rotation or not declared_noise(setup):
         return None
-    tell("something is left: asking curves against the rotation")
-    curves = profiles(plain.swing.model.declared, plain.swing.windows)
-    best = search(setup.simulator, plain, curves, tell, leading=True).best
-    if best is None or bic(best.swing) > bic(path.last.swing) - PAYS:
-        return None
-    whole = _enough(setup, best)
-    return None if whole is None or explains_more(setup, path.whole, whole) else best
+    declared, released = plain.swing.model.declared, any(test.kind == "free" for test in setup.simulator.tests)
+    for what, pool in (
+        ("curves against the rotation", profiles(declared, plain.swing.windows)),
+        ("what goes on within the block", inner(declared, released)),
+    ):
+        tell(f"something is left: asking {what}")
+        best = search(setup.simulator, plain, pool, tell, leading=True).best
+        if best is None or bic(best.swing) > bic(path.last.swing) - PAYS:
+            continue
+        whole = _enough(setup, best)
+        if whole is not None and not explains_more(setup, path.whole, whole):
+            return best
+    return None
 
 
 def _enough(setup: Setup, term: Trial) -> Fit | None:

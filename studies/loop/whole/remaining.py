@@ -10,6 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from rocking.effects.learned_hysteresis import LearnedHysteresis
+from rocking.effects.learned_mode import LearnedMode
 from rocking.effects.learned_reading import LearnedReading
 from studies.loop.fits.fitting import Fit
 from studies.loop.fits.linearising import ROBUST
@@ -107,21 +109,25 @@ def explains(setup: Setup, trial: Trial, whole: Fit) -> bool:
 PLAY = f"{LearnedReading.name}.play"
 """Of the linkage of a rotation sensor."""
 
+WITHIN = (LearnedMode.name, LearnedHysteresis.name)
+"""What has states of its own, which go on from swing to swing."""
+
 
 def roughly_begun(setup: Setup, trial: Trial, whole: Fit) -> bool:
     """Whether what swings leave is that of how they begin, on a floor that gives or behind a sensor with play.
 
-    How the floor gave before a swing began no rotation shows, and it is carried over but roughly; where in its gap
-    a linkage was is told from the first samples, on a still base. Whole records hold the same samples and begin
-    from a lean or from rest, of which nothing is unknown: where these are met closely, what is left of swings says
-    nothing.
+    How the floor gave before a swing began no rotation shows, and it is carried over but roughly, as is how a mass
+    within was moving; where in its gap a linkage was is told from the first samples, on a still base. Whole records
+    hold the same samples and begin from a lean or from rest, of which nothing is unknown: where these are met closely,
+    what is left of swings says nothing.
     """
     return begins_roughly(trial) and setup.by_rotation and whole.rms < CLOSELY
 
 
 def begins_roughly(trial: Trial) -> bool:
     """Whether it is told but roughly how a swing begins."""
-    return trial.costly or any(p.name == PLAY for part in trial.parts for p in part.parameters)
+    within = any(effect in WITHIN for effect in trial.effects)
+    return trial.costly or within or any(p.name == PLAY for part in trial.parts for p in part.parameters)
 
 
 def missed(whole: Fit) -> bool:

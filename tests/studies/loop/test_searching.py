@@ -15,7 +15,7 @@ def ways(monkeypatch):
     told = SimpleNamespace(
         chance=True, explains=True, rounds=[], accepted={}, put_off=(SimpleNamespace(name="floor"),), whole=1.4,
         trials={}, declared=True, term=False, promises=False, nothing=(),
-        curve=None,
+        form=None,
     )  # fmt: skip
 
     def one_round(setup, onto, whole, pool, tell, known, later):
@@ -43,8 +43,8 @@ def ways(monkeypatch):
     monkeypatch.setattr(searching, "declared_noise", lambda setup: told.declared)
     told.asked_for_a_term = searching._one_term_is_enough
     monkeypatch.setattr(searching, "_one_term_is_enough", lambda setup, plain, tell: told.term)
-    told.asked_for_a_curve = searching._curve_in_place
-    monkeypatch.setattr(searching, "_curve_in_place", lambda setup, plain, path, tell: told.curve)
+    told.asked_for_a_form = searching._form_in_place
+    monkeypatch.setattr(searching, "_form_in_place", lambda setup, plain, path, tell: told.form)
     told.without_names = searching._without_names
     monkeypatch.setattr(searching, "_without_names", lambda *search: None)
     for module in (rounds, searching):
@@ -122,13 +122,13 @@ def test_one_coefficient_is_enough_where_it_leaves_noise_of_swings_and_whole_rec
     assert ways.asked_for_a_term(setup, plain, lambda text: None) is enough
 
 
-def test_floors_are_not_tried_where_one_curve_leaves_nothing(ways):
+def test_floors_are_not_tried_where_one_form_leaves_nothing(ways):
     ways.explains = ways.chance = False
     ways.accepted = {((), True): path_of("a")}
-    ways.curve = path_of("learned[curve]")
+    ways.form = path_of("learned[curve]")
     found = searched()
-    assert found.term is ways.curve and not any(not later for _, later, _ in ways.rounds)
-    assert all(r.skipped == {"floor": searching.ONE_CURVE} for r in found.rounds)
+    assert found.term is ways.form and not any(not later for _, later, _ in ways.rounds)
+    assert all(r.skipped == {"floor": searching.ONE_FORM} for r in found.rounds)
 
 
 @pytest.mark.parametrize(
@@ -137,34 +137,44 @@ def test_floors_are_not_tried_where_one_curve_leaves_nothing(ways):
         pytest.param({}, True, id="it leaves nothing"),
         pytest.param({"rotation": False}, False, id="accelerometers"),
         pytest.param({"declared": False}, False, id="estimated noise"),
-        pytest.param({"found": False}, False, id="no curve"),
+        pytest.param({"found": False}, False, id="no form"),
+        pytest.param({"found": ("within", True)}, True, id="no curve"),
         pytest.param({"chi2": 995.0}, False, id="swings hardly prefer it"),
         pytest.param({"left": 1.06}, False, id="it leaves structure"),
         pytest.param({"whole": 1.31}, False, id="it misses whole records"),
         pytest.param({"refused": True}, False, id="whole records prefer the path"),
     ],
 )
-def test_a_curve_is_taken_where_it_leaves_noise_of_swings_and_whole_records(ways, monkeypatch, change, taken):
+def test_a_form_is_taken_where_it_leaves_noise_of_swings_and_whole_records(ways, monkeypatch, change, taken):
     told = SimpleNamespace(rotation=True, found=True, chi2=500.0, left=1.01, whole=1.0, refused=False, declared=True)
     vars(told).update(change)
     ways.declared, ways.whole = told.declared, told.whole
-    plain, path, curve = path_of(), path_of("a", "b", chi2=1000.0), path_of("learned[curve]", chi2=told.chi2)
+    plain, path, form = path_of(), path_of("a", "b", chi2=1000.0), path_of("learned", chi2=told.chi2)
     plain.swing.model, plain.swing.windows = SimpleNamespace(declared=None), ()
-    monkeypatch.setattr(searching, "profiles", lambda block, windows: ("all of them",))
+    monkeypatch.setattr(searching, "profiles", lambda block, windows: "curves")
+    monkeypatch.setattr(searching, "inner", lambda block, released: ("within", released))
     monkeypatch.setattr(searching, "over_noise", lambda setup, trial: told.left)
     monkeypatch.setattr(searching, "unexplained", lambda setup: 1.05)
     monkeypatch.setattr(
-        searching, "explains_more", lambda setup, one, other: told.refused and one is path and other.of == curve.names
+        searching, "explains_more", lambda setup, one, other: told.refused and one is path and other.of == form.names
     )
+    asked = []
 
     def search(simulator, onto, pool, tell, leading=False):
-        assert onto is plain and pool == ("all of them",)
-        return Round(onto, [curve] if told.found else [])
+        assert onto is plain
+        asked.append(pool)
+        return Round(onto, [form] if told.found == pool or told.found is True else [])
 
     monkeypatch.setattr(searching, "search", search)
-    on_the_way = SimpleNamespace(last=path, whole=path)
-    found = ways.asked_for_a_curve(setup_of(told.rotation), plain, on_the_way, lambda text: None)
-    assert found is (curve if taken else None)
+    on_the_way, setup = SimpleNamespace(last=path, whole=path), setup_of(told.rotation)
+    setup.simulator = SimpleNamespace(tests=[SimpleNamespace(kind="forced"), SimpleNamespace(kind="free")])
+    found = ways.asked_for_a_form(setup, plain, on_the_way, lambda text: None)
+    assert found is (form if taken else None)
+    # What goes on in time is asked where curves do not explain it.
+    if told.rotation and told.declared:
+        assert asked == (["curves"] if taken and told.found is True else ["curves", ("within", True)])
+    else:
+        assert asked == []
 
 
 def test_floors_are_not_tried_where_two_effects_leave_nothing(ways):
