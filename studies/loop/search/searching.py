@@ -176,7 +176,7 @@ def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial 
     Swings have to prefer it by far, and whole records must not refuse it.  Floors that give have been asked alone, and
     of what they do together with something else one such form says little.
     """
-    if not setup.by_rotation or not declared_noise(setup):
+    if not setup.by_rotation or not declared_noise(setup) or by_chance(setup, path.last):
         return None
     declared, released = plain.swing.model.declared, any(test.kind == "free" for test in setup.simulator.tests)
     for what, pool in (

@@ -137,6 +137,7 @@ def test_floors_are_not_tried_where_one_form_leaves_nothing(ways):
         pytest.param({}, True, id="it leaves nothing"),
         pytest.param({"rotation": False}, False, id="accelerometers"),
         pytest.param({"declared": False}, False, id="estimated noise"),
+        pytest.param({"chance": True}, False, id="swings leave no more than chance"),
         pytest.param({"found": False}, False, id="no form"),
         pytest.param({"found": ("within", True)}, True, id="no curve"),
         pytest.param({"chi2": 995.0}, False, id="swings hardly prefer it"),
@@ -147,8 +148,10 @@ def test_floors_are_not_tried_where_one_form_leaves_nothing(ways):
 )
 def test_a_form_is_taken_where_it_leaves_noise_of_swings_and_whole_records(ways, monkeypatch, change, taken):
     told = SimpleNamespace(rotation=True, found=True, chi2=500.0, left=1.01, whole=1.0, refused=False, declared=True)
+    told.chance = False
     vars(told).update(change)
-    ways.declared, ways.whole = told.declared, told.whole
+    ways.declared, ways.whole, ways.chance = told.declared, told.whole, told.chance
+    monkeypatch.setattr(searching, "by_chance", lambda setup, trial: trial is not path or told.chance)
     plain, path, form = path_of(), path_of("a", "b", chi2=1000.0), path_of("learned", chi2=told.chi2)
     plain.swing.model, plain.swing.windows = SimpleNamespace(declared=None), ()
     monkeypatch.setattr(searching, "profiles", lambda block, windows: "curves")
@@ -171,7 +174,7 @@ def test_a_form_is_taken_where_it_leaves_noise_of_swings_and_whole_records(ways,
     found = ways.asked_for_a_form(setup, plain, on_the_way, lambda text: None)
     assert found is (form if taken else None)
     # What goes on in time is asked where curves do not explain it.
-    if told.rotation and told.declared:
+    if told.rotation and told.declared and not told.chance:
         assert asked == (["curves"] if taken and told.found is True else ["curves", ("within", True)])
     else:
         assert asked == []
