@@ -3,8 +3,8 @@
 The effect that explains most by itself may be none of those that act together.  So where something is left over, the
 search goes on from those that came near the first one, too.  Runs on floors that give take so long that what two other
 effects explain is asked first, unless such a floor explains some swings down to their noise, or by far more of them.
-Where one coefficient without a name explains all, and effects that are quickly tried do not, the search goes neither
-way.
+Where one coefficient or form without a name explains all, and effects that are quickly tried do not, the search goes
+neither way.
 
 Source   none, own convention
 Status   a planted pair of which one effect came second to a stand-in for both is found (docs/benchmarks.md)
