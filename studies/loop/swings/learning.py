@@ -8,7 +8,8 @@ restitution with a memory of `rocking.effects.learned_memory`, what is off in a 
 default is nothing, fitted with the same machinery as the effects. The greedy search stops when the next one does not
 lower the residual by `LEAST_GAIN`.
 
-Status   two modes, and two of what swings, yields or remembers at once, are outside of the span.
+Status   two modes, two of what swings, yields or remembers at once, and a curve beside what swings or yields, are
+         outside of the span.
 """
 
 from __future__ import annotations
@@ -301,11 +302,16 @@ def inner(block: DeclaredBlock, released: bool) -> tuple[Candidate, ...]:
 
 
 def open_to(trial: Trial, pool: Sequence[Candidate]) -> list[Candidate]:
-    """Those of a pool that have no parameter of the trial, and no states of their own beside what has some already."""
+    """Those of a pool that have no parameter of the trial, and no states of their own beside what has some already.
+
+    Nor curves of more than `MANY` coefficients beside what goes on from swing to swing, of which each run takes long.
+    """
     fitted, within = {p.name for p in trial.parameters}, {effect for effect in trial.effects if effect in FREEDOMS}
+    most = MANY if within & {MODE, HYSTERESIS} else math.inf
     return [
         c for c in pool
         if not fitted & {p.name for p in c.parameters} and (c.effect not in FREEDOMS or within <= {c.effect})
+        and len(c.parameters) <= most
     ]  # fmt: skip
 
 

@@ -58,9 +58,10 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
     minima = _while_predictable(setup, trial, whole) if setup.by_rotation else []
     fits = [f for f in (trial.swing, *minima[:1]) if f.parameters]
     covariances = [robust_covariance(setup.simulator, setup.noisy, f) for f in fits]
-    apart, own = None, [*covariances]
+    apart, own, together = None, [*covariances], 1.0
     if len(minima) > 1 and trial.every:
-        apart = _apart(minima, sensor_covariance(setup.simulator, minima[0]), covariances[-1])
+        together = _together(sensor_covariance(setup.simulator, minima[0]), covariances[-1])
+        apart = _apart(minima, together, covariances[-1])
         covariances[-1] = covariances[-1] + apart
     both, joint = _joined(names, fits, covariances)
     known = _outer(parameters, both)
@@ -71,10 +72,11 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
             known = there[0]
         else:
             beside = [_joined(names, [*fits[:-1], m], own)[0] for m in minima[:ENDED]]
-            known = _explains_most(setup, trial, minima[0], [known, *there, *(_outer(parameters, b) for b in beside)])
+            found = [known, *there, *(_outer(parameters, b) for b in beside)]
+            known = _explains_most(setup, trial, minima[0], together, found)
     if trial.costly and minima:
-        together = whole.model.changed(known)
-        if between or _spoilt(setup, together, trial.swing.model, minima[0]):
+        joined = whole.model.changed(known)
+        if between or _spoilt(setup, joined, trial.swing.model, minima[0]):
             # Swings have many starts; a minimum of whole records that they refuse is one among many.
             one = len(fits) - 1 if still_fits(setup, trial, minima[0].model) else 0
             known |= fits[one].values
@@ -92,10 +94,13 @@ def _outer(parameters: Sequence[Parameter], inner: Array) -> dict[str, float]:
     return {p.name: p.outer(float(v)) for p, v in zip(parameters, inner, strict=True)}
 
 
-def _explains_most(setup: Setup, trial: Trial, best: Fit, found: Sequence[dict[str, float]]) -> dict[str, float]:
+def _explains_most(
+    setup: Setup, trial: Trial, best: Fit, together: float, found: Sequence[dict[str, float]]
+) -> dict[str, float]:
     """Of several estimates the one that explains swings and whole records best.
 
     best: the deepest minimum of whole records; these are compared as far as they are predictable in it.
+    together: by how many times a difference of theirs counts less than one of the swings (`_together`).
 
     Between minima of whole records lies none, so that an average would not predict; but where they say next to nothing
     of a parameter, their best minimum may be where no swing is explained.
@@ -108,7 +113,7 @@ def _explains_most(setup: Setup, trial: Trial, best: Fit, found: Sequence[dict[s
             records = fit_records(setup.simulator, model, [], best.windows, iterations=4)
         except ValueError:
             return math.inf  # what was put together of numbers that do not go together
-        return swings.chi2 + records.chi2
+        return swings.chi2 + records.chi2 / together
 
     return min(found, key=left)
 
@@ -238,15 +243,22 @@ def _while_predictable(setup: Setup, trial: Trial, whole: Fit) -> list[Fit]:
     return sorted([*best, *fits[ended:]], key=lambda f: f.chi2)
 
 
-def _apart(minima: Sequence[Fit], by_sensor: Array, covariance: Array) -> Array:
+def _together(by_sensor: Array, covariance: Array) -> float:
+    """How many times too large a difference of chi-square of whole records is: the noise of the base moves many of
+    their samples at once.
+
+    As much as the covariance by all noise is over that by the sensor's alone, 1 or more.
+    """
+    return max(1.0, float(np.max(np.diag(covariance) / np.maximum(np.diag(by_sensor), 1e-300))))
+
+
+def _apart(minima: Sequence[Fit], together: float, covariance: Array) -> Array:
     """What other minima add to the covariance of the best one: they may be the right one if they are nearly as deep.
 
-    How deep counts as by the noise of the base, which moves many samples at once: a difference of chi-square is over
-    as much as the covariance by all noise is over that by the sensor's alone.
+    together: by how many times a difference of chi-square counts less (`_together`).
     """
     best = minima[0]
     sds = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-    together = max(1.0, float(np.max(sds**2 / np.maximum(np.diag(by_sensor), 1e-300))))
     values = [np.array([f.model.get(p.name) for p in best.parameters]) for f in minima]
     kept = [0]
     for k in range(1, len(minima)):

@@ -485,17 +485,24 @@ def test_a_window_begins_with_what_goes_on_inside(name: str, kind: str, sensor: 
         assert missed([replace(w, history=()) for w in windows]) > 2e-4
 
 
+WAYS = ("square", "cubic", "drift", "base", "play")  # of a reading to be off by one coefficient
+
+
 def test_what_has_states_of_its_own_is_learned_once() -> None:
-    """Beside a mode no other form with states is tried; what the memory of a restitution lacks may still be added."""
+    """Beside a mode no other form with states is tried, nor a curve of many coefficients, whose runs take long; what
+    the memory of a restitution lacks may still be added."""
     _, plain = decays(IDEAL)
     remembered, recent, by_each, by_energy, pushed, shaken = memories(DECLARED, plain.swing.windows)
     mode, slipping, creeping = inner(DECLARED, True)
     worn, heeding = [by_each, by_energy], [pushed, shaken]
-    others = readings(DECLARED, plain.swing.windows)
+    curves = profiles(DECLARED, plain.swing.windows)
+    others = [*readings(DECLARED, plain.swing.windows), *curves]
+    few = [c for c in others if c.name in {f"learned[reading {way}]" for way in WAYS}]
+    assert len(few) == len(WAYS)
     pool = [mode, slipping, creeping, remembered, recent, *worn, *heeding, *others]
     assert open_to(plain, pool) == pool
-    assert open_to(plain.with_(mode, plain.swing), pool) == [*others]
-    assert open_to(plain.with_(slipping, plain.swing), pool) == [*others]  # what creeps has the same stiffness
+    assert open_to(plain.with_(mode, plain.swing), pool) == few
+    assert open_to(plain.with_(slipping, plain.swing), pool) == few  # what creeps has the same stiffness
     assert open_to(plain.with_(remembered, plain.swing), pool) == pool[4:]
     assert open_to(plain.with_(by_each, plain.swing), pool) == [remembered, recent, *heeding, *others]
 

@@ -18,8 +18,10 @@ from studies.loop.whole.settling import (
     PREDICTABLE,
     _apart,
     _disagreement,
+    _explains_most,
     _joined,
     _spoilt,
+    _together,
     intervals,
     predictable,
 )
@@ -107,11 +109,13 @@ def test_another_minimum_nearly_as_deep_widens_the_interval_to_reach_it() -> Non
 
     best, sensor, covariance = minimum(1.0, 900.0), np.array([[1e-4]]), np.array([[4e-4]])
     # As deep: the mean of the squares of 0 and 0.5. With all noise 4 times that of the sensor, 8 in chi-square are 2.
-    assert _apart([best, minimum(1.5, 900.0)], sensor, covariance)[0, 0] == pytest.approx(0.125)
+    together = _together(sensor, covariance)
+    assert together == pytest.approx(4.0) and _together(covariance, sensor) == 1.0
+    assert _apart([best, minimum(1.5, 900.0)], together, covariance)[0, 0] == pytest.approx(0.125)
     share = np.exp(-1.0) / (1.0 + np.exp(-1.0))
-    assert _apart([best, minimum(1.5, 908.0)], sensor, covariance)[0, 0] == pytest.approx(0.25 * share)
+    assert _apart([best, minimum(1.5, 908.0)], together, covariance)[0, 0] == pytest.approx(0.25 * share)
     # The same one found again says nothing more; one that is far worse is none.
-    assert _apart([best, minimum(1.01, 900.0), minimum(1.5, 1900.0)], sensor, covariance)[0, 0] == pytest.approx(
+    assert _apart([best, minimum(1.01, 900.0), minimum(1.5, 1900.0)], together, covariance)[0, 0] == pytest.approx(
         0.0, abs=1e-50
     )
 
@@ -186,6 +190,7 @@ def test_where_estimates_do_not_go_together_the_minimum_counts_that_swings_bear(
 
     monkeypatch.setattr(settling, "_while_predictable", lambda *_: [minimum, at(9.0, c, k)] if deep else [minimum])
     monkeypatch.setattr(settling, "_apart", lambda *_: np.diag([0.0, 0.5]))
+    monkeypatch.setattr(settling, "_together", lambda *_: 1.0)
     monkeypatch.setattr(settling, "sensor_covariance", lambda *_: None)
     monkeypatch.setattr(settling, "robust_covariance", lambda _, __, f: covariances[id(f)])
     monkeypatch.setattr(settling, "_spoilt", lambda *_: not deep)
@@ -248,6 +253,28 @@ def test_between_minima_of_whole_records_that_swings_refuse_swings_decide(
     assert found.whole.model.get("r") == pytest.approx(0.168, abs=1e-3)
     # The interval reaches the other minimum still where swings do not rule it out.
     assert bool(found.covariance[0, 0] ** 0.5 > 5e-3) is (expected != 0.8621)
+
+
+@pytest.mark.parametrize(("together", "expected"), [(1.0, 4.377e-3), (322.0, 4.482e-3)])
+def test_a_minimum_of_whole_records_counts_by_the_noise_of_the_base(
+    monkeypatch: pytest.MonkeyPatch, together: float, expected: float
+) -> None:
+    """A campaign whose floor falls by 4.5 mrad: its longest record, shaken for 12 s, is better met at 4.377 mrad by 673
+    in chi-square, as if the base had moved each sample by itself.  With all noise the covariance was 322 times that
+    with the sensor's alone; swings say 4.490 mrad with a deviation of 0.018."""
+
+    def left(simulator: Any, model: Any, parameters: Any, windows: str, **_: Any) -> Any:
+        tilt = model.get("tilt")
+        swings, records = ((tilt - 4.490e-3) / 1.84e-5) ** 2, 673.0 * ((tilt - 4.377e-3) / 0.123e-3) ** 2
+        return SimpleNamespace(chi2=5638.5 + swings if windows == "swings" else 9651.0 + records)
+
+    monkeypatch.setattr(settling, "fit", left)
+    monkeypatch.setattr(settling, "fit_records", left)
+    trial: Any = SimpleNamespace(swing=SimpleNamespace(windows="swings"))
+    best: Any = SimpleNamespace(model=Model(tilt=4.377e-3), windows="records")
+    found = [{"tilt": value} for value in (4.482e-3, 4.377e-3, 4.526e-3)]
+    setup: Any = SimpleNamespace(simulator=None)
+    assert _explains_most(setup, trial, best, together, found) == {"tilt": expected}
 
 
 def test_what_an_estimate_does_not_show_is_as_wide_as_the_others_say() -> None:
