@@ -60,6 +60,7 @@ class Some:
     swing: Any
     parts: tuple[Any, ...] = ()
     costly: bool = False
+    effects: tuple[str, ...] = ()
 
 
 def test_the_best_of_many_starts_is_taken_and_a_floor_has_one(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -79,16 +80,19 @@ def test_the_best_of_many_starts_is_taken_and_a_floor_has_one(monkeypatch: pytes
 
 
 @pytest.mark.parametrize(
-    ("costly", "rms", "taken"),
+    ("effect", "rms", "taken"),
     [
         # What whole records of a floor that gives are met by closely holds the samples of the swings, too.
-        (True, 1.05, True),
-        (True, 1.2, False),
-        (False, 1.05, False),
+        ("a floor", 1.05, True),
+        ("a floor", 1.2, False),
+        ("drag", 1.05, False),
+        # And how a mass within was moving when a swing began.
+        ("learned_mode", 1.05, True),
+        ("learned_mode", 1.2, False),
     ],
 )
 def test_what_swings_do_not_bear_is_taken_where_a_floor_meets_whole_records_closely(
-    monkeypatch: pytest.MonkeyPatch, costly: bool, rms: float, taken: bool
+    monkeypatch: pytest.MonkeyPatch, effect: str, rms: float, taken: bool
 ) -> None:
     """compliant_base-68001: 71 more in the swings, where 66 were borne, and whole records met to 1.01 times noise."""
     leans, full = SimpleNamespace(chi2=900.0, model="leans"), SimpleNamespace(chi2=500.0, rms=rms, model="full")
@@ -101,7 +105,7 @@ def test_what_swings_do_not_bear_is_taken_where_a_floor_meets_whole_records_clos
     }.items():
         monkeypatch.setattr(whole_fits, name, stub)
     setup: Any = SimpleNamespace(simulator=None, by_rotation=True, whole=[])
-    trial: Any = Some(Swing("swings"), costly=costly)
+    trial: Any = Some(Swing("swings"), costly=effect == "a floor", effects=(effect,))
     assert whole_fits.whole_fit(setup, trial) is (full if taken else leans)
 
 
