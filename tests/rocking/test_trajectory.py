@@ -146,7 +146,7 @@ def test_samples_are_kept_at_the_times_asked_for_up_to_the_fall(slender: Block, 
 
 @pytest.mark.parametrize("solver", ["numba", "scipy", "taylor", "exact"])
 def test_a_time_that_is_asked_for_twice_is_kept_twice(solver: str) -> None:
-    """Until the first impact alpha - theta = (alpha - theta_0) cosh(p t): Housner (1963), eq. (4)."""
+    """Until the first impact alpha - theta = (alpha - theta_0) cosh(p t), from rest (Housner 1963, linear)."""
     system = Method1(Block(0.2, 0.8), form="linear", onset="linear", g=G)
     times = np.array([0.0, 0.0, 0.0, 0.1, 0.1, 0.2, 0.2])
     run = solve(system, theta=0.1, t_end=0.2, save_at=times, solver=solver)

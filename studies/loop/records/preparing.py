@@ -118,6 +118,7 @@ def prepare(campaign: Campaign, declared: LoopModel, keeper: Keeper | None = Non
         reader = reconstruction.with_its_mass(simulator, start, records)
         if reader is not start:
             records = reconstruction.records(simulator, reader, sensors, noises)
+            notes.append(reconstruction.read_by(reader))
     if not records:
         raise CampaignError(
             "no test has a record of the response: want a rotation channel or accelerometers on the block to learn from"

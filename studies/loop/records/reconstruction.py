@@ -119,6 +119,15 @@ def with_its_mass(simulator: Simulator, model: LoopModel, records: Sequence[Reco
     return after.model if after.chi2 < before.chi2 / MUCH_BETTER else model
 
 
+def read_by(model: LoopModel) -> str:
+    """What is to be said of records that were read with another mass than the uniform block's."""
+    own = model.effects[MASS]
+    return (
+        f"accelerometers were turned into rotations with a centre of mass at {own['height']:.4g} m and an inertia of "
+        f"{own['inertia']:.4g} kg m^2 about it: with the declared ones they are missed by far"
+    )
+
+
 def _of_mass(simulator: Simulator, model: LoopModel, parameters: Sequence[Parameter], records: Sequence[Record]) -> Fit:
     """The mass that stretches ask for; the states of these are looked for anew by each mass that was found."""
     found = fit(simulator, model, parameters, _longest(simulator, model, records))

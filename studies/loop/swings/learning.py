@@ -73,7 +73,10 @@ TERM, CURVE, LOSS, RUBBING, MEMORY, READING, BASE, MODE, HYSTERESIS = LEARNED = 
 WITH_A_NAME = frozenset(f"{TERM}.{name}" for name in ("bias", "damping", "drag", "base", "restitution_speed"))
 """Coefficients that are effects with a name."""
 
-FREEDOMS = (MEMORY, MODE, HYSTERESIS)
+WITHIN = (MODE, HYSTERESIS)
+"""Those of them that swing or yield, which goes on from swing to swing."""
+
+FREEDOMS = (MEMORY, *WITHIN)
 """Those of them with states of their own, of which a block has one set."""
 
 FURTHEST = 1.02
@@ -307,7 +310,7 @@ def open_to(trial: Trial, pool: Sequence[Candidate]) -> list[Candidate]:
     Nor curves of more than `MANY` coefficients beside what goes on from swing to swing, of which each run takes long.
     """
     fitted, within = {p.name for p in trial.parameters}, {effect for effect in trial.effects if effect in FREEDOMS}
-    most = MANY if within & {MODE, HYSTERESIS} else math.inf
+    most = MANY if within & set(WITHIN) else math.inf
     return [
         c for c in pool
         if not fitted & {p.name for p in c.parameters} and (c.effect not in FREEDOMS or within <= {c.effect})

@@ -10,13 +10,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rocking.effects.learned_hysteresis import LearnedHysteresis
-from rocking.effects.learned_mode import LearnedMode
 from rocking.effects.learned_reading import LearnedReading
 from studies.loop.fits.fitting import Fit
 from studies.loop.fits.linearising import ROBUST
 from studies.loop.observed.windows import PEAK_OVER_NOISE, SIDE, Window
 from studies.loop.records.preparing import Setup
+from studies.loop.swings.learning import WITHIN
 from studies.loop.swings.tracing import Trial
 
 MISSED_BY_FAR = 3.0
@@ -108,9 +107,6 @@ def explains(setup: Setup, trial: Trial, whole: Fit) -> bool:
 
 PLAY = f"{LearnedReading.name}.play"
 """Of the linkage of a rotation sensor."""
-
-WITHIN = (LearnedMode.name, LearnedHysteresis.name)
-"""What has states of its own, which go on from swing to swing."""
 
 
 def roughly_begun(setup: Setup, trial: Trial, whole: Fit) -> bool:
