@@ -16,7 +16,7 @@ from studies.loop.report.text import amount
 
 @dataclass(frozen=True)
 class ErrorRow:
-    """Errors of a test [rad], and where they stand on a logarithmic axis [%]."""
+    """Errors of a test [rad, or m/s^2 of accelerometers alone], and where they stand on a logarithmic axis [%]."""
 
     id: str
     role: str

@@ -122,6 +122,17 @@ def test_errors_by_test_are_those_of_the_finding(made):
             assert any(value == pytest.approx(n, rel=1e-9) for n in numbers)
 
 
+def test_errors_have_the_unit_of_what_was_measured(made):
+    """Of accelerometers alone they are accelerations, in captions as in tables."""
+    finding, content, html = made
+    other = report(finding, content | {"error": content["error"] | {"units": "m/s^2"}}, dataset(finding))
+    for shown, unit, alt in ((html, "rad", "Rotation of test"), (other, "m/s^2", "Acceleration on the block of test")):
+        assert f"Test by test [{unit}]" in shown
+        captions = re.findall(r"rms error .*?</figcaption>", shown)
+        assert captions and all(caption.endswith(f"&nbsp;{unit}</figcaption>") for caption in captions)
+        assert f'alt="{alt} ' in shown
+
+
 def test_pictures_have_a_text_instead(made):
     pictures = [attrs for tag, attrs in Page(made[2]).attributes if tag == "img"]
     assert len(pictures) >= 5
