@@ -11,6 +11,7 @@ import numba
 import numpy as np
 
 from rocking.hybrid import INADMISSIBLE, Discrete
+from rocking.solvers.numba.compiling import borrowing
 from rocking.solvers.numba.parameters import with_numbers
 from rocking.solvers.numba.runge_kutta import STAGES, base_at, dense, error_norm, step
 from rocking.solvers.recording import (
@@ -31,17 +32,17 @@ from rocking.trajectory import BALANCE
 FIRST_STEP = 1e-3  # [s]; the error control mends it at once
 SPARE = 4  # rows of the event table that one pass of the loop may fill
 
-limits: Any = numba.njit(error_model="numpy")(inner_limits)
+limits: Any = borrowing(inner_limits)
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def write(row, out):
     """Write a row into the beginning of another one: for a slice numba would compile the words of an error, too."""
     for j in range(row.size):
         out[j] = row[j]
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def negative_guard(values, n):
     """Index of the first guard below zero, or -1."""
     for k in range(n):
@@ -50,14 +51,14 @@ def negative_guard(values, n):
     return -1
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def guard_at(guards, motion, kg, x, t, h, y, q, par, mpar, low, high, k, out):
     """Value of guard kg at the share x of the step."""
     dense(y, h, x, k, out)
     return guards(out, q, base_at(motion, t + x * h, low, high, mpar), par)[kg]
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def locate(guards, motion, kg, a, b, just_left, t, h, y, q, par, mpar, low, high, k, out):
     """Share of the step in (a, b] at which guard kg falls through zero, on the dense output (Illinois method).
 
@@ -86,10 +87,9 @@ def locate(guards, motion, kg, a, b, just_left, t, h, y, q, par, mpar, low, high
     return b
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def first_event(guards, motion, n_guards, t, h, y, y_new, q, par, mpar, low, high, k, out):
     """(guard, share of the step) of the first guard to fall below zero within the step; guard -1 if none does."""
-    before = guards(y, q, base_at(motion, t, low, high, mpar), par)
     for check in range(1, CHECKS_PER_STEP + 1):
         a, b = (check - 1) / CHECKS_PER_STEP, check / CHECKS_PER_STEP
         if check == CHECKS_PER_STEP:
@@ -100,7 +100,7 @@ def first_event(guards, motion, n_guards, t, h, y, y_new, q, par, mpar, low, hig
         found, share = -1, 2.0
         for kg in range(n_guards):
             if values[kg] < 0.0:
-                just_left = check == 1 and before[kg] == 0.0
+                just_left = check == 1 and guards(y, q, base_at(motion, t, low, high, mpar), par)[kg] == 0.0
                 x = locate(guards, motion, kg, a, b, just_left, t, h, y, q, par, mpar, low, high, k, out)
                 if x < share:
                     found, share = kg, x
@@ -109,7 +109,7 @@ def first_event(guards, motion, n_guards, t, h, y, y_new, q, par, mpar, low, hig
     return -1, 1.0
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def polish(flow, guards, motion, kg, share, t, h, y, q, par, mpar, low, high, k, k_try, stage, out):
     """Time from t to the event, by Newton's method with true steps of that length; the state there is left in `out`."""
     d = 1e-4
@@ -130,7 +130,7 @@ def polish(flow, guards, motion, kg, share, t, h, y, q, par, mpar, low, high, k,
     return tau
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def balance_passage(balance, x_end, h, y, y_end, par, k, out):
     """Share of the step at which the tilt of unstable balance is passed outward; -1 if it is not."""
     if not (balance(y, par) < 0.0 <= balance(y_end, par)):
@@ -147,7 +147,7 @@ def balance_passage(balance, x_end, h, y, y_end, par, k, out):
     return b
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def peak_in_step(watched, x_end, h, y, y_end, k, out):
     """Largest |theta| from the start of the step to its share x_end; watched holds the indices of theta and omega."""
     i, j = watched[0], watched[1]
@@ -165,7 +165,7 @@ def peak_in_step(watched, x_end, h, y, y_end, k, out):
     return peak
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def record(count, table_t, table_i, table_s, table_y, t, kg, q_before, q, y_before, y):
     """Add a row to the table of events."""
     i = count[1]
@@ -177,7 +177,7 @@ def record(count, table_t, table_i, table_s, table_y, t, kg, q_before, q, y_befo
     count[1] = i + 1
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def save_until(count, save_at, saved_y, saved_i, saved_s, t, h, until, y, q, k, out):
     """Keep the samples up to the time `until` within the step."""
     while count[0] < save_at.size and save_at[count[0]] <= until:
@@ -197,7 +197,7 @@ def grown(table):
     return bigger
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def all_finite(y, base):
     """Whether state and base acceleration are finite."""
     finite = np.isfinite(base.a_x) and np.isfinite(base.a_z)

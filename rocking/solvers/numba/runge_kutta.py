@@ -6,10 +6,10 @@ Source   Dormand & Prince (1980), J. Comput. Appl. Math. 6, 19-26, for the pair;
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
 from rocking.hybrid import Base
+from rocking.solvers.numba.compiling import borrowing
 
 C = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
 A = np.array(
@@ -42,24 +42,48 @@ P = np.array(
 STAGES = 7
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def base_at(motion, t, low, high, motion_par):
     """What the base does at t; at an edge of a smooth stretch, its limit from within."""
     a_x, a_z, pitch, pitch_acceleration = motion(min(max(t, low), high), motion_par)
     return Base(a_x, a_z, pitch, pitch_acceleration)
 
 
-@numba.njit(error_model="numpy")
+@borrowing
+def argument(i, y, h, k, out):
+    """y + h sum_m A_im k_m into `out`: where stage i is; sums are written out, since loops over m take longer."""
+    n = y.size
+    if i == 1:
+        for j in range(n):
+            out[j] = y[j] + h * (A[1, 0] * k[0, j])
+    elif i == 2:
+        for j in range(n):
+            out[j] = y[j] + h * (A[2, 0] * k[0, j] + A[2, 1] * k[1, j])
+    elif i == 3:
+        for j in range(n):
+            out[j] = y[j] + h * (A[3, 0] * k[0, j] + A[3, 1] * k[1, j] + A[3, 2] * k[2, j])
+    elif i == 4:
+        for j in range(n):
+            total = A[4, 0] * k[0, j] + A[4, 1] * k[1, j] + A[4, 2] * k[2, j]
+            out[j] = y[j] + h * (total + A[4, 3] * k[3, j])
+    elif i == 5:
+        for j in range(n):
+            total = A[5, 0] * k[0, j] + A[5, 1] * k[1, j] + A[5, 2] * k[2, j]
+            out[j] = y[j] + h * (total + A[5, 3] * k[3, j] + A[5, 4] * k[4, j])
+    else:
+        for j in range(n):
+            total = A[6, 0] * k[0, j] + A[6, 2] * k[2, j] + A[6, 3] * k[3, j]
+            out[j] = y[j] + h * (total + A[6, 4] * k[4, j] + A[6, 5] * k[5, j])
+
+
+@borrowing
 def step(flow, motion, t, y, h, q, par, motion_par, low, high, k, y_stage, y_new):
     """One step of length h from (t, y) into `y_new`; `k`, shape (7, state), holds dy/dt at (t, y) in its first row."""
     n = y.size
     for i in range(1, STAGES):
-        for j in range(n):
-            total = 0.0
-            for m in range(i):
-                total += A[i, m] * k[m, j]
-            y_stage[j] = y[j] + h * total
-        base = base_at(motion, t + C[i] * h, low, high, motion_par)
+        argument(i, y, h, k, y_stage)
+        if i < STAGES - 1:  # the last two stages are at the same time
+            base = base_at(motion, t + C[i] * h, low, high, motion_par)
         slope = flow(y_stage, q, base, par)
         for j in range(n):
             k[i, j] = slope[j]
@@ -68,26 +92,28 @@ def step(flow, motion, t, y, h, q, par, motion_par, low, high, k, y_stage, y_new
         y_new[j] = y_stage[j]
 
 
-@numba.njit(error_model="numpy")
+@borrowing
 def error_norm(y, y_new, h, k, rtol, atol):
     """Root mean square of the local error against the tolerance; 1 is just accepted."""
     n = y.size
     total = 0.0
     for j in range(n):
-        error = 0.0
-        for i in range(STAGES):
-            error += E[i] * k[i, j]
+        error = E[0] * k[0, j] + E[2] * k[2, j] + E[3] * k[3, j] + E[4] * k[4, j] + E[5] * k[5, j] + E[6] * k[6, j]
         scale = atol + rtol * max(abs(y[j]), abs(y_new[j]))
         total += (h * error / scale) ** 2
     return np.sqrt(total / n)
 
 
-@numba.njit(error_model="numpy")
+@borrowing
+def weight(i, x):
+    """Of the slope of stage i in the state at the share x of the step."""
+    return x * (P[i, 0] + x * (P[i, 1] + x * (P[i, 2] + x * P[i, 3])))
+
+
+@borrowing
 def dense(y, h, x, k, out):
     """State at the share x of the step into `out`."""
+    w0, w2, w3, w4, w5, w6 = weight(0, x), weight(2, x), weight(3, x), weight(4, x), weight(5, x), weight(6, x)
     for j in range(y.size):
-        total = 0.0
-        for i in range(STAGES):
-            weight = x * (P[i, 0] + x * (P[i, 1] + x * (P[i, 2] + x * P[i, 3])))
-            total += weight * k[i, j]
-        out[j] = y[j] + h * total
+        total = w0 * k[0, j] + w2 * k[2, j] + w3 * k[3, j]
+        out[j] = y[j] + h * (total + w4 * k[4, j] + w5 * k[5, j] + w6 * k[6, j])

@@ -19,6 +19,7 @@ from studies.loop.fits.linearising import (
     HUBER,
     ROBUST,
     compared_all,
+    free_states,
     linearised,
     objectives,
     read_of,
@@ -200,7 +201,8 @@ def _fit(
             ])  # fmt: skip
             try:
                 trial = model.changed(values)
-                better = _better(simulator, trial, windows, stepped(windows, back, actual), each, how)
+                known = None if parameters else read
+                better = _better(simulator, trial, windows, stepped(windows, back, actual), each, how, known)
             except ValueError:
                 damping = max(damping, 1e-6) * 10.0
                 continue
@@ -208,7 +210,7 @@ def _fit(
                 accepted = True
                 break
             damping = max(damping, 1e-6) * 10.0
-            if damping > 1e8:
+            if damping > 1e8 or not parameters:  # states alone are not damped
                 break
         if not accepted:
             converged = True
@@ -239,32 +241,50 @@ class _Better:
 
 def _better(
     simulator: Simulator, model: LoopModel, windows: Sequence[Window], stepped: Sequence[Window], before: Array,
-    how: _How,
+    how: _How, known: Sequence[Array] | None,
 ) -> _Better:  # fmt: skip
     """Of each window the stepped state, or a shorter step or none where that is better.
 
     A window whose linearisation says nothing (an impact on the wrong side of a sample) would else stop all others.
+
+    known: what the channels read under this model from the states before the step, if that is known.
     """
-    chosen = list(stepped)
-    read = read_of(simulator, model, chosen)
+
+    def read_at(indices: Sequence[int], states: Sequence[Window]) -> list[Array]:
+        before, kept = [windows[i] for i in indices], [None if known is None else known[i] for i in indices]
+        return _read_where_changed(simulator, model, states, before, kept)
+
+    chosen, free = list(stepped), np.array([bool(free_states(w)) for w in windows], dtype=bool)
+    read = read_at(range(len(windows)), chosen)
     each = objectives(model, compared_all(read, chosen), chosen, how.huber, how.whole)
     for share in (0.25, 0.0):
-        worse = np.flatnonzero(each > before)
-        if not worse.size:
+        worse = [*map(int, np.flatnonzero((each > before) & free))]
+        if not worse:
             break
         other = [
             windows[i].moved(
                 windows[i].theta + share * (stepped[i].theta - windows[i].theta),
                 windows[i].omega + share * (stepped[i].omega - windows[i].omega),
             )
-            for i in map(int, worse)
+            for i in worse
         ]  # fmt: skip
-        there = read_of(simulator, model, other)
+        there = read_at(worse, other)
         found = objectives(model, compared_all(there, other), other, how.huber, how.whole)
         for i, window, seen, value in zip(worse, other, there, found, strict=True):
             if value < each[i]:
                 chosen[i], read[i], each[i] = window, seen, value
     return _Better(chosen, read, float(each.sum()))
+
+
+def _read_where_changed(
+    simulator: Simulator, model: LoopModel, windows: Sequence[Window], before: Sequence[Window],
+    known: Sequence[Array | None],
+) -> list[Array]:  # fmt: skip
+    """What the channels of windows read; without a run where that is known and the state is as it was before."""
+    same = [(w.theta, w.omega) == (b.theta, b.omega) for w, b in zip(windows, before, strict=True)]
+    kept = [read if at_it else None for read, at_it in zip(known, same, strict=True)]
+    runs = iter(read_of(simulator, model, [w for w, read in zip(windows, kept, strict=True) if read is None]))
+    return [next(runs) if read is None else read for read in kept]
 
 
 def _solve(matrix: Array, gradient: Array, damping: float) -> Array:

@@ -141,15 +141,24 @@ def linearised(
     """
     n = len(windows)
     models, ends = about(model, parameters, central)
-    known = [] if read is None else [*read]
-    jobs = [job for k in range(0 if read is None else 1, len(models)) for job in jobs_of(windows, k)]
     shifts = [(THETA_STEP, 0.0), (0.0, OMEGA_STEP)]
     shifts += [(-theta, -omega) for theta, omega in shifts] if central else []
-    for theta, omega in shifts:
-        jobs += jobs_of(windows, 0, theta, omega)
-    count = len(models) + len(shifts)
-    every = known + observe(simulator, models, jobs, [*windows] * (count - (read is not None)))
-    r = left_over(every, windows, count)
+    # What is known of a state has no slope, and its runs are spared.
+    free = [[i for i, w in enumerate(windows) if k in free_states(w)] for k in range(2)]
+    known = [] if read is None else [*read]
+    jobs = [job for k in range(0 if read is None else 1, len(models)) for job in jobs_of(windows, k)]
+    there = [*windows] * (len(models) - (read is not None))
+    for k, shift in enumerate(shifts):
+        of_these = [windows[i] for i in free[k % 2]]
+        jobs += jobs_of(of_these, 0, *shift)
+        there += of_these
+    every = known + observe(simulator, models, jobs, there)
+    moved = iter(every[len(models) * n :])
+    every = every[: len(models) * n]
+    for k in range(len(shifts)):
+        seen = {i: next(moved) for i in free[k % 2]}
+        every += [seen.get(i, every[i]) for i in range(n)]
+    r = left_over(every, windows, len(models) + len(shifts))
     first = len(models)
     state = [(first, first + 2 if central else 0, THETA_STEP), (first + 1, first + 3 if central else 0, OMEGA_STEP)]
     width = 2.0 if central else 1.0

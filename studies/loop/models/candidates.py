@@ -39,6 +39,7 @@ class Candidate:
     costly: bool = False  # whether a run takes tens of times as long as that of a rigid block: fewer rivals are tried
     scouts: tuple[str, ...] = ()  # parameters fitted from each start, the others from the best few alone; all if empty
     screened: int = 0  # so many starts are fitted, those that explain most as they are; all if 0
+    parts: int = 0  # of so many parts of the starts, in their order, the best one is fitted besides, without scouts
     after: str = ""  # a form that is tried before; where that promises nothing, this one is left out
     # A parameter of another effect, and the value of it up to which that is the name, by form of the effect.
     beyond: tuple[str, Mapping[str, float]] | None = None
@@ -107,6 +108,12 @@ def _of_the_block(block: DeclaredBlock) -> tuple[Candidate, ...]:
 FLOORS = 5
 """Floors that give from which a fit begins: those that explain most of some swings as they are."""
 
+PARTS_OF_FLOORS = 5
+"""And the best one of so many parts of their range.
+
+A soft floor makes a swing longer, and one beside it misses all swings; rigid ones miss them by less, and yet a fit goes
+from there to the soft one, and from a rigid one does not."""
+
 BOUNCES = 8
 """The same of corners that bounce, of which more is tried."""
 
@@ -153,7 +160,8 @@ def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candi
                    "compliant_base.tangential_ratio": 1.0} for k in starts),
             {"compliant_base.spread": spread, "compliant_base.friction": grip}, smooth=False,
             replaces_restitution=True, costly=True, scouts=("compliant_base.damping_ratio",), screened=FLOORS,
-            minima_in="compliant_base.tangential_ratio", assumed={"compliant_base.friction": other},
+            parts=PARTS_OF_FLOORS, minima_in="compliant_base.tangential_ratio",
+            assumed={"compliant_base.friction": other},
         )
         for label, spread, starts in (("compliant_base", 0.0, soft), ("compliant_base[bed]", 1.0, of_bed))
     )  # fmt: skip

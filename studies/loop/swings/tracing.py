@@ -395,30 +395,46 @@ def _on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> _First 
     begun: list[Fit] = []
     reason = "no start led anywhere"
     nothing = _nothing(onto, candidate)
-    starts: list[tuple[LoopModel, Sequence[Window], float]] = []
+    starts: list[_Start] = []
     for start in (*candidate.starts, *([nothing] if candidate.smooth else [])):
         try:
             model = onto.swing.model.changed({**candidate.fixed, **start})
             starts.append((model, *((some, 0.0) if candidate.smooth else _afresh(simulator, model, some))))
         except ValueError as refusal:
             reason = str(refusal)
+    apart: list[_Start] = []
     if candidate.screened:
+        apart = _best_of_parts(starts, candidate.parts)
         starts = sorted(starts, key=lambda start: start[2])[: candidate.screened]
+        apart = [start for start in apart if all(start is not other for other in starts)]
     for model, windows, _ in starts:
         try:
             begun.append(fit(simulator, model, scouts or parameters, windows, iterations=2 if scouts else 3))
         except ValueError as refusal:
             reason = str(refusal)
     begun.sort(key=lambda f: f.chi2)
+    if scouts:
+        starts = [(f.model, f.windows, f.chi2) for f in begun[:SCOUTED]]
+        begun = []
+        for model, windows, _ in (*starts, *apart):
+            try:
+                begun.append(fit(simulator, model, parameters, windows, iterations=3))
+            except ValueError as refusal:
+                reason = str(refusal)
     if not begun:
         return reason
-    try:
-        if scouts:
-            begun = [fit(simulator, f.model, parameters, f.windows, iterations=3) for f in begun[:SCOUTED]]
-    except ValueError as refusal:
-        return str(refusal)
     best = min(begun, key=lambda f: f.chi2)
     return _First(best.model, parameters, _of_some(onto.swing, chosen) - best.chi2)
+
+
+_Start = tuple[LoopModel, Sequence[Window], float]
+"""A model, the windows from where it fits them better as it is, and what it leaves of them."""
+
+
+def _best_of_parts(starts: Sequence[_Start], parts: int) -> list[_Start]:
+    """Of so many parts of the starts, in their order, that which leaves least."""
+    each = np.array_split(np.arange(len(starts)), parts) if parts else []
+    return [min((starts[i] for i in map(int, part)), key=lambda start: start[2]) for part in each if part.size]
 
 
 def _chosen(onto: Trial, candidate: Candidate) -> list[int]:

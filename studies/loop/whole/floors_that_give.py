@@ -13,6 +13,7 @@ import math
 from dataclasses import replace
 
 from studies.loop.fits.fitting import Fit, fit, fit_records
+from studies.loop.models.model import LoopModel
 from studies.loop.models.parameters import Parameter
 from studies.loop.observed.windows import Window
 from studies.loop.records.preparing import Setup
@@ -46,9 +47,24 @@ def from_whole_records(setup: Setup, trial: Trial, whole: Fit) -> Trial:
     return replace(trial, swing=fit(setup.simulator, whole.model, trial.every, there.windows, iterations=12))
 
 
+def one_minimum(trial: Trial, one: LoopModel, other: LoopModel) -> bool:
+    """Whether whole records have one minimum where two models of a floor that gives are, or lead to one."""
+    along = _along(trial)
+    return along is not None and _near(along, one, other)
+
+
+def _along(trial: Trial) -> Parameter | None:
+    """The stiffness along the floor, if the trial has one."""
+    return next((p for part in trial.parts for p in part.parameters if p.name == part.minima_in), None)
+
+
+def _near(along: Parameter, one: LoopModel, other: LoopModel) -> bool:
+    return abs(math.log(one.get(along.name) / other.get(along.name))) < SAME
+
+
 def _elsewhere(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit] | None:
     """The same in another minimum of whole records, if they prefer that by far and swings do not refuse it."""
-    along = next((p for part in trial.parts for p in part.parameters if p.name == part.minima_in), None)
+    along = _along(trial)
     apart = [] if along is None else _begun_apart(setup, trial, whole, along)
     if not apart:
         return None
@@ -76,7 +92,7 @@ def _begun_apart(setup: Setup, trial: Trial, whole: Fit, along: Parameter) -> li
         found, windows = replace(whole, model=start), list(whole.windows)
         for share in HORIZONS:
             found, windows = begun(setup, trial, replace(whole, model=found.model, windows=tuple(windows)), [share])
-            if abs(math.log(found.model.get(along.name) / value)) < SAME:
+            if _near(along, found.model, whole.model):
                 break
         else:
             apart.append((found, windows))

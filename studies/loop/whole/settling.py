@@ -20,6 +20,7 @@ from studies.loop.observed.windows import Window
 from studies.loop.records.preparing import Setup
 from studies.loop.swings.learning import LEARNED
 from studies.loop.swings.tracing import FURTHER_COSTLY, PAYS, Trial
+from studies.loop.whole.floors_that_give import one_minimum
 from studies.loop.whole.whole_fits import FEWEST_SAMPLES, drawn_out, neighbours, still_fits
 
 Array = NDArray[np.float64]
@@ -229,7 +230,10 @@ def _while_predictable(setup: Setup, trial: Trial, whole: Fit) -> list[Fit]:
     if named:
         sure = sensor_covariance(setup.simulator, trial.swing)
         about = [model for part in named for model in neighbours(trial.swing, sure, part.parameters[0], NEIGHBOURS)]
-    for model in (whole.model, trial.swing.model, *about):
+    starts = [whole.model, trial.swing.model, *about]
+    if trial.costly and one_minimum(trial, trial.swing.model, whole.model):
+        starts = starts[:1]
+    for model in starts:
         leans = fit_records(setup.simulator, model, [], windows, iterations=4)
         if trial.costly and model is trial.swing.model:
             fits.append(drawn_out(setup, trial, leans))

@@ -203,6 +203,37 @@ def test_slopes_on_a_soft_floor_are_not_those_of_the_steps_of_a_run(
             np.testing.assert_allclose(a, b, rtol=0.0, atol=0.05 * float(np.abs(b).max()) + 0.05, err_msg=floor.name)
 
 
+class Counting(Simulator):
+    """Counts its runs by test."""
+
+    def run(self, models, jobs):
+        self.runs = [*getattr(self, "runs", []), *(job.test for job in jobs)]
+        return super().run(models, jobs)
+
+
+# Of a release the lean is known to its noise and the speed is nothing, of a shaken test both are nothing.  By hand: a
+# fit of states alone that changes nothing any more asks once, then for one slope to both sides, and tries one step.
+def test_what_is_known_of_a_state_is_not_varied(tests: list[Test]) -> None:
+    records = [r for k, test in enumerate(tests) if (r := record_of(test, k, NOISE, DECLARED.alpha)) is not None]
+    windows = whole_windows(records)
+    assert [(w.theta_sd > 0.0, w.omega_sd > 0.0) for w in windows] == [(True, False)] * 3 + [(False, False)]
+    counting = Counting(tests)
+    lin = linearised(counting, model(0.1), [DRAG], windows)
+    # At the point, to both sides of the drag, and of the lean where it is free.
+    assert [counting.runs.count(k) for k in range(4)] == [5, 5, 5, 3]
+    assert np.all(lin.by_state[3] == 0.0) and np.all(lin.by_state[0][:, 1] == 0.0)
+    step = 2e-6
+    up, down = (counting.run([model(0.1)], [Job(0, 0, w.times, w.start, w.theta + d, 0.0)])[0].theta
+                for w in windows[:1] for d in (step, -step))  # fmt: skip
+    slope = -(up - down)[windows[0].index] / (2.0 * step) * windows[0].weights
+    assert lin.by_state[0][:, 0] == pytest.approx(slope, rel=1e-9, abs=1e-6)
+    settled = fit(counting, model(TRUE_C), [], windows, whole=True, iterations=20, tolerance=0.0, central=True)
+    counting.runs = []
+    again = fit(counting, model(TRUE_C), [], settled.windows, whole=True, iterations=8, tolerance=0.0, central=True)
+    assert again.converged and again.chi2 == pytest.approx(settled.chi2, rel=1e-9)
+    assert counting.runs.count(3) == 1
+
+
 def test_a_step_moves_a_logarithm_only_so_far() -> None:
     """By hand: four scales of 0.5 are a factor of exp(2); the bounds are nearer than that downwards."""
     ratio = Parameter("compliant_base.tangential_ratio", 0.5, 5.0, 1e3, True)

@@ -134,6 +134,14 @@ def test_another_stiffness_along_the_floor_that_whole_records_prefer_by_far_is_t
     assert found.swing.model.along == pytest.approx(1.45 * 1.05 * 1.01)
 
 
+# Within a fifth by the logarithm: exp(0.2) is 1.221.
+@pytest.mark.parametrize(("other", "one"), [(1.22, True), (1.23, False), (0.82, True), (0.81, False)])
+def test_stiffnesses_along_the_floor_that_are_near_are_of_one_minimum(other: float, one: bool) -> None:
+    trial: Any = Trial(of(Floor(1.0)))
+    assert floors_that_give.one_minimum(trial, trial.swing.model, Floor(other)) is one  # type: ignore[arg-type]
+    assert not floors_that_give.one_minimum(Trial(trial.swing, minima_in=""), Floor(1.0), Floor(1.0))  # type: ignore[arg-type]
+
+
 def test_it_is_left_where_it_gains_little_or_swings_refuse_it(monkeypatch: pytest.MonkeyPatch) -> None:
     records = Records(monkeypatch)
     records.full = 9725.0 - 59.0

@@ -2,22 +2,39 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from rocking import Block, Method1, solve
 from rocking.effects import load
-from studies.campaigns import Channel, DeclaredBlock, Test
+from studies.campaigns import Channel, DeclaredBlock, Test, read
+from studies.laboratory.campaign import make_campaign
+from studies.laboratory.parameters import G
+from studies.laboratory.truth import read_truth
 from studies.loop.fits.estimating import sensor_covariance
 from studies.loop.fits.fitting import Fit, fit
 from studies.loop.models.candidates import candidates
 from studies.loop.models.model import LoopModel
 from studies.loop.observed.windows import PEAK_OVER_NOISE, Record, Window, record_of, swing_windows
+from studies.loop.records.preparing import as_declared, prepare
 from studies.loop.runs.simulation import Simulator
 from studies.loop.swings import tracing
-from studies.loop.swings.tracing import E, Trial, _as_seen, _on_some, _with_lost_found, baseline
+from studies.loop.swings.tracing import (
+    NEXT_TO_NOTHING,
+    E,
+    Trial,
+    _as_seen,
+    _best_of_parts,
+    _chosen,
+    _of_some,
+    _on_some,
+    _with_lost_found,
+    baseline,
+)
 from studies.loop.whole.remaining import over_noise
 
 BLOCK = Block(0.2, 0.8, 0.4)
@@ -156,3 +173,29 @@ def test_the_stiffness_of_a_floor_is_found_among_its_minima() -> None:
         there = ended.model.changed({name: ended.values[name] * math.exp(side * sd / ended.values[name])})
         refit = fit(simulator, there, first.parameters[1:], ended.windows, iterations=20, tolerance=1e-5)
         assert 1.0 / 1.6 < math.sqrt(refit.chi2 - ended.chi2) < 1.6
+
+
+def test_of_each_part_of_the_starts_the_best_one_is_fitted_besides() -> None:
+    """By hand: seven starts in three parts, of three, two and two."""
+    starts: Any = [("a", (), 5.0), ("b", (), 4.0), ("c", (), 6.0), ("d", (), 1.0), ("e", (), 2.0), ("f", (), 3.0)]
+    assert [name for name, _, _ in _best_of_parts([*starts, ("g", (), 0.5)], 3)] == ["b", "d", "g"]
+    assert [name for name, _, _ in _best_of_parts(starts[:2], 3)] == ["a", "b"]
+    assert _best_of_parts(starts, 0) == [] == _best_of_parts([], 3)
+
+
+@pytest.mark.slow
+def test_a_soft_floor_is_found_though_rigid_ones_miss_less_of_swings_as_they_are(tmp_path: Path) -> None:
+    """compliant_base-77001, of 1.02 MN/m under 119 kg: from the starts that leave least no fit came to it."""
+    make_campaign(77001, ("compliant_base",), tmp_path)
+    campaign = read(tmp_path / "campaign")
+    setup = prepare(campaign, as_declared(campaign, G))
+    plain = baseline(setup.simulator, setup.start, setup.swings)
+    pool = candidates(campaign.block, campaign.conditions.friction)
+    (floor,) = [c for c in pool if c.name == "compliant_base"]
+    first = _on_some(setup.simulator, plain, floor)
+    assert not isinstance(first, str), first
+    truth = read_truth(tmp_path / "truth").parameters["compliant_base.corner_stiffness"]
+    assert first.model.get("compliant_base.corner_stiffness") == pytest.approx(truth, rel=0.05)
+    chosen = _chosen(plain, floor)
+    noise = sum(plain.swing.residuals[i].size - 2 for i in chosen)
+    assert _of_some(plain.swing, chosen) - first.gained < NEXT_TO_NOTHING * noise
