@@ -9,7 +9,7 @@ Status   sizes are in terms of the block, so that they serve a tombstone and a m
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -17,8 +17,9 @@ import numpy as np
 from rocking import G_STANDARD
 from rocking.effects import load
 from rocking.form import Form
+from rocking.soft_floor import BlockOnSoftFloor
 from studies.campaigns import DeclaredBlock
-from studies.loop.models.model import RESTITUTION
+from studies.loop.models.model import RESTITUTION, LoopModel
 from studies.loop.models.parameters import UNEVEN, Parameter
 
 
@@ -43,6 +44,8 @@ class Candidate:
     after: str = ""  # a form that is tried before; where that promises nothing, this one is left out
     # A parameter of another effect, and the value of it up to which that is the name, by form of the effect.
     beyond: tuple[str, Mapping[str, float]] | None = None
+    # Its own parameters, from a model with a form of `beyond` that is the same thing.
+    same_as: Callable[[LoopModel], Mapping[str, float]] | None = None
     minima_in: str = ""  # a parameter in which whole records have minima beside each other
     assumed: Mapping[str, float] = field(default_factory=dict)  # of those that stay: other values that may be as right
 
@@ -207,6 +210,7 @@ def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candi
             {"bouncing.friction": grip}, smooth=False, replaces_restitution=True, costly=True,
             scouts=("bouncing.normal_restitution",), screened=BOUNCES,
             beyond=("compliant_base.corner_stiffness", {"compliant_base": hard, "compliant_base[bed]": math.inf}),
+            same_as=bouncing_on,
             minima_in="bouncing.tangential_ratio", assumed={"bouncing.friction": other},
         ),
         Candidate(
@@ -215,6 +219,22 @@ def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candi
             scanned=tuple({"base_adhesion.moment": float(share) * moment} for share in held),
         ),
     )  # fmt: skip
+
+
+def bouncing_on(model: LoopModel) -> dict[str, float]:
+    """Parameters of `bouncing` with which its contacts are those of a model on springs under its corners.
+
+    Source: `rocking.effects.bouncing`, from the loss and the frequency of a contact to its spring and dashpot.
+    """
+    assert isinstance(model.system, BlockOnSoftFloor)
+    floor, form = model.system, model.system.rigid.form
+    felt = form.mass / (1.0 + form.half_breadth**2 / form.rho2)
+    share = min(floor.damping_ratio * math.sqrt(form.mass / felt), 1.0 - 1e-12)
+    return {
+        "bouncing.normal_restitution": math.exp(-math.pi * share / math.sqrt(1.0 - share**2)),
+        "bouncing.contact_frequency": math.sqrt(floor.corner_stiffness / felt) / (2.0 * math.pi),
+        "bouncing.tangential_ratio": floor.tangential_ratio,
+    }
 
 
 def _sliding(block: DeclaredBlock) -> tuple[Candidate, ...]:

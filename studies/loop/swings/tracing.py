@@ -267,7 +267,37 @@ def search_costly(
         else:
             found.skipped[c.name] = f"the fit of {found.added(known).name} leaves {NOT_NEEDED}"
     _fitted(simulator, further, found, tell)
+    for c in further:
+        _by_its_name(simulator, found, c, found.trials[before:])
     return found.trials[before:]
+
+
+def _by_its_name(simulator: Simulator, found: Round, c: Candidate, trials: Sequence[Trial]) -> None:
+    """Have a candidate begin from what was found beyond what another name stands for, too, and come before it.
+
+    Its own starts may all lead to another minimum.
+    """
+    if c.same_as is None or c.beyond is None:
+        return
+    onto, (name, most) = found.onto, c.beyond
+    forms = [(t, form) for t in trials if (form := found.added(t)).name in most]
+    for t, form in forms:
+        if t.swing.model.get(name) <= most[form.name]:
+            continue
+        same = c.same_as(t.swing.model)
+        if any(not p.low <= same[p.name] <= p.high for p in c.parameters):
+            continue
+        effects = {effect: values for effect, values in t.swing.model.effects.items() if effect != form.effect}
+        model = replace(t.swing.model, effects=effects).changed({**c.fixed, **same})
+        parameters = (*onto.calibrated_with(c), *onto.parameters, *c.parameters)
+        swing = fit(simulator, model, parameters, t.swing.windows, iterations=FURTHER_COSTLY)
+        own = next((o for o in found.trials if found.added(o).name == c.name), None)
+        if own is not None and own.swing.chi2 <= swing.chi2:
+            continue
+        found.skipped.pop(c.name, None)
+        others = [o for o in found.trials if o is not own]
+        at = next(i for i, o in enumerate(others) if o is t)
+        found.trials[:] = [*others[:at], onto.with_(c, swing), *others[at:]]
 
 
 def floor_promises(simulator: Simulator, found: Round, tell: Callable[[str], None] = lambda text: None) -> bool:

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from studies.loop.fits.estimating import sensor_covariance
 from studies.loop.fits.fitting import Fit, fit, fit_records
@@ -42,10 +43,12 @@ STARTS = 7
 """Starts of such a fit."""
 
 SPOILT = 1.5
-"""A record is spoilt by an effect that makes its rms so many times larger."""
+"""A record is spoilt by an effect that makes its rms so many times larger, helped by one that makes it as many times
+smaller."""
 
 LEAST_RECORDS = 2
-"""So many records a scanned effect has to explain: in one alone, one of many values may hit by chance."""
+"""So many records an effect has to explain that is scanned, or that swings do not hint at: in one alone, one of many
+values may hit by chance."""
 
 TELLING = 3
 """Records on which the starts are compared."""
@@ -57,8 +60,17 @@ LIKELY = 1.0 / 3.0
 def asked(
     setup: Setup, onto: Trial, whole: Fit, tried: Round, pool: Sequence[Candidate], hint: float = HINT
 ) -> tuple[Rival, ...]:
-    """What whole records confirm of the effects that swings only hint at, and of those scanned."""
-    return merged(hinted(setup, onto, whole, tried, hint), scan(setup, onto, whole, pool))
+    """What whole records confirm of the effects that swings only hint at, and of those scanned.
+
+    Where swings hint at none, of those that they would have first, if these explain more than one record: what is too
+    small for a swing may be large after twenty.  Not of floors that give, on which runs take long.
+    """
+    if hints(onto, tried, hint):
+        confirmed = hinted(setup, onto, whole, tried, hint)
+    else:
+        quick = replace(tried, trials=[t for t in tried.trials if not t.costly])
+        confirmed = hinted(setup, onto, whole, quick, -math.inf, LEAST_RECORDS)
+    return merged(confirmed, scan(setup, onto, whole, pool))
 
 
 def merged(one: Sequence[Rival], other: Sequence[Rival]) -> tuple[Rival, ...]:
@@ -145,8 +157,11 @@ def confirmed(
     rest = min(_alone(setup, onto, ended), without, key=lambda f: f.chi2)
     if rest.chi2 - ended.chi2 < PAYS * max(1.0, ended.chi2 / ended.samples):
         return None
-    helped = (rest.by_window > MISSED) & (rest.by_window > SPOILT * ended.by_window)
-    if np.count_nonzero(helped) < LEAST_RECORDS or not _explains(ended, rest) or _at_the_cost_of_others(ended, rest):
+    if (
+        np.count_nonzero(_helped(ended, rest)) < LEAST_RECORDS
+        or not _explains(ended, rest)
+        or _at_the_cost_of_others(ended, rest)
+    ):
         return None
     # What it makes unpredictable is not in these windows, and may have been explained.
     leans = fit(setup.simulator, ended.model, [], shared.windows, whole=True, iterations=4)
@@ -263,10 +278,13 @@ def hints(onto: Trial, tried: Round, hint: float = HINT) -> list[Trial]:
     return list(best.values())[:MOST_HINTS]
 
 
-def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round, hint: float = HINT) -> tuple[Rival, ...]:
+def hinted(
+    setup: Setup, onto: Trial, whole: Fit, tried: Round, hint: float = HINT, records: int = 0
+) -> tuple[Rival, ...]:  # fmt: skip
     """Of the effects that swings only hint at, those that whole records confirm, the best first.
 
     hint: what an effect lowers the criterion of the swings by, at the least.
+    records: so many that were missed it has to help, besides.
 
     An effect may be too small for a swing and yet turn the end of a record.  Records are compared while they are
     predictable, and one that is lost altogether counts less.  What is predictable may be within its noise where the
@@ -301,7 +319,7 @@ def hinted(setup: Setup, onto: Trial, whole: Fit, tried: Round, hint: float = HI
         )  # fmt: skip
         alone = _alone(setup, onto, own)
         rest = min(alone, without, key=lambda f: f.chi2)
-        if _at_the_cost_of_others(own, rest):
+        if _at_the_cost_of_others(own, rest) or np.count_nonzero(_helped(own, rest)) < records:
             continue
         rival = _as_rival(setup, onto, whole, trial.parts[-1], own, trial.every)
         if _explains(own, rest):
@@ -331,6 +349,11 @@ def _explains(own: Fit, without: Fit) -> bool:
     """Whether an effect lowers what is left of records by enough; what is lost with and without it says nothing."""
     with_it, plain, _ = where_told(own, without)
     return with_it < (1.0 - LEAST_OF_A_SCAN) ** 2 * plain
+
+
+def _helped(own: Fit, without: Fit) -> NDArray[np.bool_]:
+    """Which records an effect helps that were missed."""
+    return np.asarray((without.by_window > MISSED) & (without.by_window > SPOILT * own.by_window))
 
 
 def _at_the_cost_of_others(own: Fit, without: Fit) -> bool:

@@ -1,15 +1,20 @@
 """One round of the loop: what is put off, when it is tried after all, and which rivals are kept; all fits are stubs."""
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from studies.campaigns import DeclaredBlock
 from studies.loop.fits.fitting import Fit
+from studies.loop.models.candidates import candidates
+from studies.loop.models.model import LoopModel
 from studies.loop.search import rounds
 from studies.loop.swings import tracing
-from studies.loop.swings.tracing import Round, search
+from studies.loop.swings.tracing import Round, Trial, search
 from studies.loop.whole import remaining, whole_fits, whole_records
 from studies.loop.whole.whole_fits import gain, where_told
 from studies.loop.whole.whole_records import explains_more
@@ -316,7 +321,7 @@ def test_what_runs_long_is_put_off_by_name_and_tried_when_asked(monkeypatch):
     monkeypatch.setattr(tracing, "_fitted", fit)
     monkeypatch.setattr(tracing, "_scores", lambda *_, **__: {})
     pool = [
-        SimpleNamespace(name=n, effect=n, in_swings=True, smooth=False, costly=n == "floor", beyond=None)
+        SimpleNamespace(name=n, effect=n, in_swings=True, smooth=False, costly=n == "floor", beyond=None, same_as=None)
         for n in ("floor", "tether")
     ]
     found = search(None, PLAIN, pool, explained=lambda t: t.names == ("tether",))
@@ -348,13 +353,79 @@ def test_a_corner_that_bounces_is_not_tried_where_a_softer_floor_leaves_nothing(
 
     monkeypatch.setattr(tracing, "_fitted", fit)
     found = Round(PLAIN, put_off=tuple(
-        SimpleNamespace(name=name, beyond=beyond)
+        SimpleNamespace(name=name, beyond=beyond, same_as=None)
         for name, beyond in (("floor", None), ("hard", ("floor.k", {"floor": 5e6})))
     ))  # fmt: skip
     tracing.search_costly(None, found, explained=lambda t: t.swing.over < 1.03)
     assert fitted == tried
     said = "the fit of floor leaves nothing over the noise; runs take long"
     assert found.skipped == ({"hard": said} if len(tried) == 1 else {})
+
+
+def on_springs(stiffness: float) -> LoopModel:
+    """A block on springs under its corners; 991 kg of it are felt at one of them."""
+    floor = {
+        "corner_stiffness": stiffness,
+        "damping_ratio": 0.07,
+        "tangential_ratio": 0.77,
+        "spread": 0.0,
+        "friction": 2.0,
+    }
+    return LoopModel(DeclaredBlock(0.483, 1.31, 0.857, 1346.73), 0.88, {"compliant_base": floor}, 9.81)
+
+
+def pool_of(model: LoopModel) -> dict[str, Any]:
+    return {c.name: c for c in candidates(model.declared)}
+
+
+@pytest.mark.parametrize("stiffness", [7e8, 1.66e9])
+def test_springs_under_corners_and_contacts_that_last_are_one_floor(stiffness: float) -> None:
+    """By the parameters of the equations, which either effect makes in its own way."""
+    model = on_springs(stiffness)
+    hard = pool_of(model)["bouncing[contact]"]
+    assert hard.same_as is not None
+    same = hard.same_as(model)
+    # By hand: sqrt(k / 991 kg) / (2 pi).
+    assert same["bouncing.contact_frequency"] == pytest.approx(math.sqrt(stiffness / 991.0) / (2.0 * math.pi), rel=1e-3)
+    other = replace(model, effects={}).changed({**hard.fixed, **same})
+    assert other.system.parameters[:-1] == pytest.approx(model.system.parameters[:-1], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "own", "order"),
+    [
+        (1.66e9, 300.0, ["bouncing[contact]", "compliant_base"]),  # 206 Hz: its own fit had ended elsewhere
+        (1.66e9, 150.0, ["compliant_base", "bouncing[contact]"]),  # its own fit is the better one
+        (5e8, 300.0, ["compliant_base", "bouncing[contact]"]),  # 113 Hz: called compliant
+        (1.66e10, 300.0, ["compliant_base", "bouncing[contact]"]),  # 650 Hz, beyond what is tried
+    ],
+)
+def test_corners_found_harder_than_compliant_ones_are_tried_by_the_other_name(monkeypatch, stiffness, own, order):
+    """bouncing-77001: as a stiff compliant base swings were met by 71 better than from the starts of bouncing."""
+    model = on_springs(stiffness)
+    pool = pool_of(model)
+    plain = LoopModel(model.declared, 0.88, {}, 9.81)
+
+    def fit(simulator, candidates, found, tell, leading=False):
+        for c in candidates:
+            at = model if c.effect == "compliant_base" else plain.changed({**c.fixed, **c.starts[0]})
+            swing = SimpleNamespace(chi2=200.0 if c.effect == "compliant_base" else own, model=at, windows=())
+            found.trials.append(onto.with_(c, swing))
+
+    def again(simulator, model, parameters, windows, iterations):
+        assert set(model.effects) == {"bouncing"}
+        assert {p.name.partition(".")[0] for p in parameters} == {"bouncing"}
+        return SimpleNamespace(chi2=200.0, model=model, windows=windows)
+
+    monkeypatch.setattr(tracing, "_fitted", fit)
+    monkeypatch.setattr(tracing, "fit", again)
+    onto = Trial((), (), SimpleNamespace(model=plain, windows=()))
+    found = Round(onto, put_off=(pool["compliant_base"], pool["bouncing[contact]"]))
+    tried = tracing.search_costly(None, found)
+    assert [t.names[-1] for t in tried] == order
+    assert sorted(t.swing.chi2 for t in tried) == (
+        [200.0, 200.0] if order[0] != "compliant_base" else sorted([200.0, own])
+    )
 
 
 @pytest.mark.parametrize(
