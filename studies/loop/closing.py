@@ -64,7 +64,7 @@ from studies.loop.whole.remaining import (
 from studies.loop.whole.rivals import Rival, near_all, other_forms, standing, twins, twins_from_many
 from studies.loop.whole.settling import Settled, intervals, settle
 from studies.loop.whole.whole_fits import whole_fit, whole_fit_from_many
-from studies.loop.whole.whole_records import MISSED, explains_more, hinted
+from studies.loop.whole.whole_records import MISSED, as_the_base_moves_them, explains_more, hinted
 
 Tell = Callable[[str], None]
 Verdict = Literal["effect", "none", "unexplained"]
@@ -165,6 +165,7 @@ def close(
     else:
         # What whole records brought in last may be all that there is: nothing has asked for what came before it since.
         named, rivals = _all_needed(setup, plain, named, rivals, rounds, tell)
+        rivals = as_the_base_moves_them(setup, rivals)
     tell("comparing rivals")
     if not rivals and named.trial.parts:
         named, rivals = _compared(setup, plain, named, rounds, tell)
@@ -175,7 +176,9 @@ def close(
     if chosen is not stands:
         rivals = ()
     no_swing_shows = path.term is None and not stands.parts and over_noise(setup, stands) <= structure(setup)
-    decided = path.decided | (set(chosen.names) if no_swing_shows else set())
+    # Of twins another one may stand than that on which whole records decided at first.
+    others = set(chosen.names) if no_swing_shows else set(chosen.names) - set(path.last.names) if path.rivals else set()
+    decided = path.decided | others
     verdict, said = _of_whole_records(setup, chosen, verdict, whole, decided)
     models = {"declared": declared, "before": before.whole.model, "after": after.whole.model}
     windows = {"declared": setup.whole, "before": before.whole.windows, "after": after.whole.windows}

@@ -256,6 +256,17 @@ def _together(by_sensor: Array, covariance: Array) -> float:
     return max(1.0, float(np.max(np.diag(covariance) / np.maximum(np.diag(by_sensor), 1e-300))))
 
 
+def counted_together(setup: Setup, trial: Trial, whole: Fit) -> float:
+    """The same of what is predictable of whole records, as they are fitted; 1 if nothing is."""
+    windows = predictable(whole.windows)
+    if not windows or not trial.every:
+        return 1.0
+    there = fit(setup.simulator, whole.model, trial.every, windows, whole=True, iterations=0)
+    return _together(
+        sensor_covariance(setup.simulator, there), robust_covariance(setup.simulator, setup.noisy, there)
+    )  # fmt: skip
+
+
 def _apart(minima: Sequence[Fit], together: float, covariance: Array) -> Array:
     """What other minima add to the covariance of the best one: they may be the right one if they are nearly as deep.
 

@@ -24,7 +24,7 @@ from studies.loop.records.preparing import Setup
 from studies.loop.records.scoring import errors
 from studies.loop.swings.tracing import PAYS, Round, Trial, bic
 from studies.loop.whole.rivals import TWIN, Rival
-from studies.loop.whole.settling import predictable
+from studies.loop.whole.settling import counted_together, predictable
 from studies.loop.whole.whole_fits import gain, neighbours, reweighed, weighed_under, where_told, whole_fit
 
 LEAST_OF_A_SCAN = 0.15
@@ -98,6 +98,25 @@ def ranked(setup: Setup, rivals: Sequence[Rival]) -> tuple[Rival, ...]:
     others = [r for r in by_criterion if r is not best]
     refused = (replace(r, refused=explains_more(setup, best.whole, r.whole)) for r in others)
     return (replace(best, refused=False), *refused)
+
+
+def as_the_base_moves_them(setup: Setup, rivals: Sequence[Rival]) -> tuple[Rival, ...]:
+    """Rivals among which whole records decided, those further from the first one by as much as the base lets them say.
+
+    The noise of the base moves many samples of a record at once, so that a difference of their sums of squares counts
+    that much less.  Of those that are twins by that, the one comes first that explains far more up to the ends.
+    """
+    if len(rivals) < 2 or all(r.refused for r in rivals[1:]):
+        return tuple(rivals)
+    first = rivals[0]
+    times = counted_together(setup, first.trial, first.whole)
+    nearer = [replace(r, criterion=first.criterion + (r.criterion - first.criterion) / times) for r in rivals]
+    best = nearer[0]
+    for rival in nearer[1:]:
+        alike = not rival.refused and rival.criterion - first.criterion < TWIN
+        if alike and explains_more(setup, rival.whole, best.whole):
+            best = rival
+    return (best, *(r for r in nearer if r is not best))
 
 
 def explains_more(setup: Setup, found: Fit, other: Fit) -> bool:
