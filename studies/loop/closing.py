@@ -176,9 +176,11 @@ def close(
     if chosen is not stands:
         rivals = ()
     no_swing_shows = path.term is None and not stands.parts and over_noise(setup, stands) <= structure(setup)
-    # Of twins another one may stand than that on which whole records decided at first.
-    others = set(chosen.names) if no_swing_shows else set(chosen.names) - set(path.last.names) if path.rivals else set()
-    decided = path.decided | others
+    decided = set(path.decided)
+    if no_swing_shows:
+        decided |= set(chosen.names)
+    elif path.rivals:  # of twins another one may stand than that on which whole records decided at first
+        decided |= set(chosen.names) - set(path.last.names)
     verdict, said = _of_whole_records(setup, chosen, verdict, whole, decided)
     models = {"declared": declared, "before": before.whole.model, "after": after.whole.model}
     windows = {"declared": setup.whole, "before": before.whole.windows, "after": after.whole.windows}

@@ -51,7 +51,7 @@ def base_at(motion, t, low, high, motion_par):
 
 @borrowing
 def argument(i, y, h, k, out):
-    """y + h sum_m A_im k_m into `out`: where stage i is; sums are written out, since loops over m take longer."""
+    """y + h sum_m A_im k_m, where stage i takes its slope, into `out`; written out, since loops over m take longer."""
     n = y.size
     if i == 1:
         for j in range(n):

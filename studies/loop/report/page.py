@@ -234,11 +234,12 @@ def _nearest(finding: Finding, units: str) -> str:
         name = f"{name} as another form of the same effect"
     by = second.criterion - first.criterion
     apart = f"{'better' if by < 0.0 else 'worse'} by {text.evidence(abs(by))}"
+    of_swings = first.criterion == bic(first.trial.swing)
+    counted = "" if of_swings else " of what is predictable of whole records, counted as the noise of the base moves it"
     held = text.amount(second.holdout if math.isfinite(second.holdout) else None, units)
     if second.refused:
         own = text.evidence(second.whole_criterion - first.whole_criterion)
-        of_swings = first.criterion == bic(first.trial.swing)
-        where = "in single swings" if of_swings else "where the noise of the base leaves them predictable"
+        where = "in single swings" if of_swings else f"in that{counted}"
         return (
             f"The nearest rival, {name}, fits worse by {own} in chi-square over whole records, {apart} {where}; its "
             f"held-out error is {held}."
@@ -246,7 +247,7 @@ def _nearest(finding: Finding, units: str) -> str:
     why = (
         "" if by >= 0.0 else f", less than the {TWIN:g} that would tell them apart, and whole records speak against it"
     )
-    return f"The nearest rival, {name}, fits {apart} in chi-square{why}; its held-out error is {held}."
+    return f"The nearest rival, {name}, fits {apart} in chi-square{counted}{why}; its held-out error is {held}."
 
 
 def _rounds(finding: Finding) -> list[dict[str, Any]]:

@@ -33,7 +33,7 @@ class Rival:
 
     trial: Trial
     whole: Fit
-    criterion: float  # bic of the swings, or of whole records where these decided
+    criterion: float  # bic of the swings; where whole records decided theirs, apart as the base lets them be
     whole_criterion: float
     holdout: float  # median error over held-out tests [rad]
     refused: bool = False  # whether whole records speak for the best one by far, whatever the criterion says

@@ -106,7 +106,7 @@ def as_the_base_moves_them(setup: Setup, rivals: Sequence[Rival]) -> tuple[Rival
     The noise of the base moves many samples of a record at once, so that a difference of their sums of squares counts
     that much less.  Of those that are twins by that, the one comes first that explains far more up to the ends.
     """
-    if len(rivals) < 2 or all(r.refused for r in rivals[1:]):
+    if len(rivals) < 2:
         return tuple(rivals)
     first = rivals[0]
     times = counted_together(setup, first.trial, first.whole)
