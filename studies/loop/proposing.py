@@ -151,7 +151,7 @@ def _proposals(finding: Finding) -> list[_Proposal]:
         for size in SIZES:
             data = {c.name: size * test.data[c.name] for c in test.channels if c.kind.startswith("base_")}
             own = tuple(c for c in test.channels if c.name in data)
-            words = f"Repeat the motion of {test.id} at {size:g} of its size"
+            words = f"Repeat the motion of {test.id} at {size:g} times its size"
             out.append(_Proposal(words, replace(test, channels=own, data=data, overturned=None), 0.0))
     return out
 

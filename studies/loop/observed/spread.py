@@ -85,6 +85,53 @@ def variances(
         seed: of the leans.
         draws: of the noise, the first of those in `noisy`.
     """
+    read = _drawn(noisy, count, model, windows, leans, seed, draws)
+    out = []
+    for i, w in enumerate(windows):
+        each = _variance(np.array([drawn[i] for drawn in read]))
+        # The data are stacked channel by channel.
+        channel, sample = np.divmod(w.there, w.times.size)
+        out.append(np.concatenate([
+            _smoothed(each[channel == c], w.times[sample[channel == c]]) for c in range(len(w.channels))
+        ]))  # fmt: skip
+    return out
+
+
+def furthest_moved(
+    simulator: Simulator, noisy: Simulator, count: int, model: LoopModel, windows: Sequence[Window]
+) -> Array:
+    """Rms of each window over its weights that the largest of redrawn noises would leave of the model's own response.
+
+    So far off are records of a block that is that model, now and then; more in the tails than variances say.
+
+    Args:
+        simulator: of the tests as recorded.
+        noisy, count, model, windows: as of `variances`.
+
+    Returns:
+        Shape (window,), with the sensor's own noise [1].
+    """
+    jobs = [Job(0, w.test, w.times, w.start, w.theta, w.omega, struck=w.struck) for w in windows]
+    own = observe(simulator, [model], jobs, windows)
+    sensors = np.array([_mean_square(w.noise * w.weights) for w in windows])
+    moved = [
+        [_mean_square((read - still) * w.weights) for read, still, w in zip(drawn, own, windows, strict=True)]
+        for drawn in _drawn(noisy, count, model, windows, None, 0, DRAWS)
+    ]
+    return np.asarray(np.sqrt(np.max(moved, axis=0) + sensors))
+
+
+def _mean_square(values: Array) -> float:
+    """Of those that can be compared; 0 of none."""
+    there = np.isfinite(values)
+    return float(np.mean(values[there] ** 2)) if there.any() else 0.0
+
+
+def _drawn(
+    noisy: Simulator, count: int, model: LoopModel, windows: Sequence[Window], leans: Sequence[float] | None,
+    seed: int, draws: int,
+) -> list[list[Array]]:  # fmt: skip
+    """Readings of each window in each draw; arguments as of `variances`."""
     draws = min(draws, len(noisy.tests) // count)
     rng = np.random.default_rng(seed)
     jobs = []
@@ -94,15 +141,7 @@ def variances(
             jobs.append(Job(0, k * count + w.test, w.times, w.start, w.theta + lean, w.omega, struck=w.struck))
     read = observe(noisy, [model], jobs, [*windows] * draws)
     n = len(windows)
-    out = []
-    for i, w in enumerate(windows):
-        each = _variance(np.array([read[k * n + i] for k in range(draws)]))
-        # The data are stacked channel by channel.
-        channel, sample = np.divmod(w.there, w.times.size)
-        out.append(np.concatenate([
-            _smoothed(each[channel == c], w.times[sample[channel == c]]) for c in range(len(w.channels))
-        ]))  # fmt: skip
-    return out
+    return [read[k * n : (k + 1) * n] for k in range(draws)]
 
 
 def _variance(drawn: Array) -> Array:

@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from studies.loop.fits.fitting import Fit
 from studies.loop.models.candidates import Candidate
 from studies.loop.records.preparing import Setup
@@ -15,7 +17,7 @@ from studies.loop.swings.tracing import FAR_LESS, LEAST_GAIN, PAYS, Round, Trial
 from studies.loop.whole.floors_that_give import in_agreement
 from studies.loop.whole.remaining import MISSED_BY_FAR, by_chance, explains, over_noise, slips, structure
 from studies.loop.whole.rivals import Rival
-from studies.loop.whole.whole_fits import gain, reweighed, telling, whole_fit
+from studies.loop.whole.whole_fits import MENDED, gain, reweighed, telling, whole_fit
 from studies.loop.whole.whole_records import HINT, MISSED, asked, explains_more, merged, ranked
 
 Tell = Callable[[str], None]
@@ -171,6 +173,16 @@ def _swings_show_more(setup: Setup, trial: Trial) -> bool:
     return not slips(trial) and over_noise(setup, trial) > MUCH_OVER_NOISE * structure(setup)
 
 
+def _lost_either_way(now: Fit, without: Fit) -> bool:
+    """Whether whole records speak neither for an effect nor against it: none that tells is nearly met, or was so before.
+
+    Where another effect is missing still, all of them may be lost with this one and without it, a little more or less.
+    """
+    least, most = np.minimum(now.by_window, without.by_window), np.maximum(now.by_window, without.by_window)
+    clearly = (least < MISSED_BY_FAR) | (most > MENDED * least)
+    return not bool(np.any(telling(now, without) & clearly))
+
+
 def _accepted(
     setup: Setup, onto: Trial, whole: Fit, tried: Round, pool: Sequence[Candidate], tell: Tell, hint: float = HINT
 ) -> tuple[Accepted | None, tuple[Rival, ...]]:
@@ -183,8 +195,7 @@ def _accepted(
         if best.costly:
             best, now = in_agreement(setup, best, now)
             tried.trials = [best if t.names == best.names else t for t in tried.trials]
-        # Where another effect is missing still, all records may be lost with this one and without it.
-        if gain(setup, whole, now) > LEAST_GAIN or not telling(now, reweighed(setup, whole, now)).any():
+        if gain(setup, whole, now) > LEAST_GAIN or _lost_either_way(now, reweighed(setup, whole, now)):
             accepted = best, now
     # Whole records are rugged: where swings say nothing, or one fit of whole records does not bear them out, or leaves
     # far too much, these have more to say; not where swings leave much themselves, of which more is to be found first.

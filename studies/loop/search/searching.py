@@ -39,6 +39,7 @@ from studies.loop.whole.remaining import (
     by_chance,
     declared_noise,
     explains,
+    met,
     over_noise,
     roughly_begun,
     slips,
@@ -144,7 +145,7 @@ def _floor_first(
 
 def _enough_alone(setup: Setup, path: Path) -> bool:
     """Whether a floor leaves nothing of swings, and of whole records."""
-    if setup.by_rotation and path.whole.rms > MISSED:
+    if setup.by_rotation and not met(setup, path.whole, MISSED):
         return False
     return explains(setup, path.last, path.whole) or roughly_begun(setup, path.last, path.whole)
 
@@ -201,7 +202,7 @@ def _enough(setup: Setup, term: Trial) -> Fit | None:
     if not begins_roughly(term) and over_noise(setup, term) > unexplained(setup):
         return None
     whole = whole_fit(setup, term)
-    return whole if whole.rms < (MISSED if by_chance(setup, term) else CLOSELY) else None
+    return whole if met(setup, whole, MISSED if by_chance(setup, term) else CLOSELY) else None
 
 
 def _without_names(
@@ -209,8 +210,8 @@ def _without_names(
 ) -> Path | None:  # fmt: skip
     """The path that goes no further since one coefficient without a name explains what effects with one do not.
 
-    It has to leave nothing where a first effect, and any smooth one on top of it, leave structure, or where whole
-    records prefer it to both; swings have to prefer it by far, and whole records must not refuse it.
+    It has to leave nothing where a first effect, and any smooth one on top of it, leave structure, and swings have to
+    prefer it by far, whole records not to refuse it; or these prefer it by far to both, and swings do not refuse it.
 
     first: the path after its first round.
     """
@@ -224,10 +225,14 @@ def _without_names(
     path, smooth = first, [c for c in pool if c.smooth]
     if len(first.trials) > 1:
         path = followed(setup, first, smooth, tell, later=True, most=2)
-    if bic(term.swing) > bic(path.last.swing) - PAYS or explains_more(setup, path.whole, its_whole):
+    by = bic(path.last.swing) - bic(term.swing)
+    # Two effects have the freedom to stand for a third of any kind: where whole records prefer the coefficient to both,
+    # however these are begun, swings only must not speak against it.
+    several = by >= 0.0 and len(path.last.parts) > 1 and explains_more(setup, its_whole, path.whole)
+    if several and by < PAYS:
+        several = explains_more(setup, its_whole, whole_fit_from_many(setup, path.last, path.whole))
+    if (by < PAYS and not several) or explains_more(setup, path.whole, its_whole):
         return None
-    # Two effects have the freedom to stand for a third of any kind.
-    several = len(path.last.parts) > 1 and explains_more(setup, its_whole, path.whole)
     if explains(setup, path.last, path.whole) and not several:
         return None
     rounds = []
@@ -247,8 +252,16 @@ def _nothing_is_left(setup: Setup, path: Path) -> bool:
         return True
     # Two effects may stand in for a floor in the swings, but for the end of records hardly. Where a block slips what is
     # left is a median over the windows, and says nothing of a minority of them; whole records do.
-    met = path.whole.rms < MISSED
-    return met if slips(path.last) else by_chance(setup, path.last) and (met or not setup.by_rotation)
+    if not slips(path.last):
+        return by_chance(setup, path.last) and (not setup.by_rotation or _met(setup, path))
+    return _met(setup, path)
+
+
+def _met(setup: Setup, path: Path) -> bool:
+    """Whether whole records are met; these are rugged, and are fitted from more starts before they say no."""
+    if not setup.by_rotation:
+        return path.whole.rms < MISSED
+    return met(setup, path.whole, MISSED) or met(setup, whole_fit_from_many(setup, path.last, path.whole), MISSED)
 
 
 def _with_a_third(setup: Setup, path: Path, pool: Sequence[Candidate], tell: Tell) -> Path | None:
@@ -263,7 +276,7 @@ def _with_a_third(setup: Setup, path: Path, pool: Sequence[Candidate], tell: Tel
     found = followed(setup, path, [c for c in pool if not c.costly], tell)
     if len(found.trials) == 3 or not by_chance(setup, found.last):
         return None
-    if setup.by_rotation and found.whole.rms > MISSED:
+    if setup.by_rotation and not met(setup, found.whole, MISSED):
         found = replace(found, fits=[*found.fits[:-1], whole_fit_from_many(setup, found.last, found.whole)])
     return found if _leaves_nothing(setup, found) else None
 
@@ -289,7 +302,7 @@ def _leaves_nothing(setup: Setup, path: Path) -> bool:
     """
     if slips(path.last) or not declared_noise(setup):
         return explains(setup, path.last, path.whole)
-    return by_chance(setup, path.last) and not (setup.by_rotation and path.whole.rms > MISSED)
+    return by_chance(setup, path.last) and (not setup.by_rotation or met(setup, path.whole, MISSED))
 
 
 def _near_the_first(path: Path) -> list[Trial]:

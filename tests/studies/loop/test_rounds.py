@@ -91,6 +91,20 @@ def test_what_is_noise_to_either_of_two_fits_counts_as_noise(monkeypatch):
     assert all(np.array_equal(sds, [np.ones(50), np.full(50, 30.0)]) for sds in seen) and len(seen) == 4
 
 
+@pytest.mark.parametrize(
+    ("with_it", "without", "lost"),
+    [
+        pytest.param((25.0, 30.0), (20.0, 35.0), True, id="both are far off"),
+        # A tether of 85 N m/rad, met with drag: alone it missed the one record of seven that told by 4.6, not by 4.0.
+        pytest.param((25.0, 4.6), (20.0, 3.96), True, id="and so is the one that tells"),
+        pytest.param((25.0, 3.5), (20.0, 2.9), False, id="one is nearly met without it"),
+        pytest.param((25.0, 2.9), (20.0, 3.5), False, id="or with it"),
+    ],
+)
+def test_records_that_are_far_off_either_way_do_not_refuse_an_effect(with_it, without, lost):
+    assert rounds._lost_either_way(whole(*with_it), whole(*without)) is lost
+
+
 @pytest.fixture
 def stubs(monkeypatch):
     """A round in which `tilt` is tried at once and `floor` put off; whole records as each case has them."""
