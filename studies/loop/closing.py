@@ -18,7 +18,7 @@ from studies.loop.fits.fitting import Fit
 from studies.loop.learned_curves import Curve, curves
 from studies.loop.models.model import LoopModel
 from studies.loop.models.names import readable
-from studies.loop.observed.spread import DRAWS, floor, variances
+from studies.loop.observed.spread import floors
 from studies.loop.observed.windows import scored_window, struck_before
 from studies.loop.records.preparing import Setup, as_declared, prepare
 from studies.loop.records.scoring import Errors, errors, leaning, median
@@ -53,6 +53,7 @@ from studies.loop.whole.remaining import (
     CLOSELY,
     MISSED_BY_FAR,
     by_chance,
+    met,
     missed,
     over_noise,
     rms_but_for_one,
@@ -191,11 +192,10 @@ def close(
     )
     scored = [scored_window(setup.records, w) for w in leaning(setup, after.whole.model, setup.whole_held)]
     lean_sds = _lean_sds(setup, after.whole.model)
-    spread = variances(setup.noisy, len(campaign.tests), after.whole.model, scored, lean_sds, draws=DRAWS)
-    floors = [floor(w, v) for w, v in zip(scored, spread, strict=True)]
+    own_floors = floors(setup.simulator, setup.noisy, len(campaign.tests), after.whole.model, scored, lean_sds)
     return Finding(
         setup, verdict, declared, models["before"], models["after"], before.whole, after.whole, chosen, rivals,
-        twins(rivals, named.trial), tuple(rounds), named.rounds or tuple(rounds[:1]), all_errors, median(floors),
+        twins(rivals, named.trial), tuple(rounds), named.rounds or tuple(rounds[:1]), all_errors, median(own_floors),
         intervals(chosen, after),
         (
             *setup.notes, *_of_the_search(path, stands), *named.said, *said, *_of_forms(rivals),
@@ -265,8 +265,8 @@ def _explained(
         return named, "effect"
     # What is learned of noise is not worth its time: names that leave no more than that stand.
     # Where a block slips, swings do not say by chance; whole records do.
-    met = slips(named) and setup.by_rotation and whole.rms < MISSED
-    if not structured and (met or by_chance(setup, named)):
+    slipped = slips(named) and setup.by_rotation and met(setup, whole, MISSED)
+    if not structured and (slipped or by_chance(setup, named)):
         return named, "effect"
     tell("learning what no effect explains")
     # Effects may stand for something unnamed, several of them above all: learning starts from the calibrated block too.
@@ -299,15 +299,19 @@ def _otherwise(
     adds up in them.
     """
     several = len(named.parts) > 1
-    if named.costly or slips(named) or not setup.by_rotation or not (several or set(named.effects) & LOSSES):
+    if named.costly or slips(named) or not setup.by_rotation or not named.parts:
         return None
-    met = rms_but_for_one(whole) < CLOSELY
-    if not met:
+    closely = rms_but_for_one(whole) < CLOSELY
+    if not closely:
         # Whole records are rugged: what stands is fitted to them from more starts before it is doubted.
         whole = min(whole, whole_fit_from_many(setup, named, whole), key=lambda f: f.chi2)
-        met = rms_but_for_one(whole) < CLOSELY
-    if met and several:
+        closely = rms_but_for_one(whole) < CLOSELY
+    if closely and several:
         return _one_in_place_of(setup, plain, named, whole, tell)
+    if not several and not set(named.effects) & LOSSES:
+        # A string that is slack up to some lean looks much like any other torque that grows with it.
+        enough = closely or met(setup, whole, CLOSELY)
+        return None if enough else _one_in_place_of(setup, plain, named, whole, tell)
     tell("asking whether one law without a name explains it")
     declared, windows = plain.swing.model.declared, plain.swing.windows
     laws = (*memories(declared, windows), *(c for c in profiles(declared, windows) if c.effect == LOSS))
@@ -316,11 +320,11 @@ def _otherwise(
     if not several and best is not None:
         if bic(best.swing) < bic(named.swing) - PAYS:
             return best
-        if not met and bic(best.swing) < bic(named.swing) + PAYS:
+        if not closely and bic(best.swing) < bic(named.swing) + PAYS:
             there = whole_fit(setup, best, whole)
             if explains_more(setup, there, whole):
                 return best
-    if met:
+    if closely:
         return None
     by_term = search(setup.simulator, plain, unnamed(declared), tell)
     # Two effects have the freedom to explain swings of something else, a single one that explains them has not.
@@ -332,7 +336,7 @@ def _otherwise(
 
 
 def _one_in_place_of(setup: Setup, plain: Trial, named: Trial, whole: Fit, tell: Tell) -> Trial | None:
-    """One coefficient without a name that swings and whole records prefer to effects with a name that meet them."""
+    """One coefficient without a name that swings and whole records prefer to effects with a name."""
     tell("asking whether one coefficient without a name explains more")
     best = search(setup.simulator, plain, by_itself(setup.simulator, plain), tell, leading=True).best
     if best is None or bic(best.swing) > bic(named.swing):

@@ -111,14 +111,39 @@ def furthest_moved(
     Returns:
         Shape (window,), with the sensor's own noise [1].
     """
+    moved = _moved(simulator, noisy, count, model, windows, [w.weights for w in windows])
+    return np.asarray(np.sqrt(moved.max(axis=0) + [_mean_square(w.noise * w.weights) for w in windows]))
+
+
+def floors(
+    simulator: Simulator, noisy: Simulator, count: int, model: LoopModel, windows: Sequence[Window],
+    leans: Sequence[float],
+) -> list[float]:  # fmt: skip
+    """Root mean square that the true model would score in each window [unit of the channel]: the median over noises.
+
+    The sensor's noise, and what noise of the base and of the leans does. Where one noise in ten lets the block fall, a
+    mean would be of these falls alone.
+
+    Args:
+        simulator: of the tests as recorded.
+        noisy, count, model, windows, leans: as of `variances`.
+    """
+    ones = [np.ones(w.data.size) for w in windows]
+    moved = np.median(_moved(simulator, noisy, count, model, windows, ones, leans), axis=0)
+    return [math.sqrt(m + float(np.mean(w.noise**2))) for m, w in zip(moved.tolist(), windows, strict=True)]
+
+
+def _moved(
+    simulator: Simulator, noisy: Simulator, count: int, model: LoopModel, windows: Sequence[Window],
+    weights: Sequence[Array], leans: Sequence[float] | None = None,
+) -> Array:  # fmt: skip
+    """Mean square by which each noise moves the weighed readings of each window, shape (draw, window)."""
     jobs = [Job(0, w.test, w.times, w.start, w.theta, w.omega, struck=w.struck) for w in windows]
     own = observe(simulator, [model], jobs, windows)
-    sensors = np.array([_mean_square(w.noise * w.weights) for w in windows])
-    moved = [
-        [_mean_square((read - still) * w.weights) for read, still, w in zip(drawn, own, windows, strict=True)]
-        for drawn in _drawn(noisy, count, model, windows, None, 0, DRAWS)
-    ]
-    return np.asarray(np.sqrt(np.max(moved, axis=0) + sensors))
+    return np.array([
+        [_mean_square((read - still) * by) for read, still, by in zip(drawn, own, weights, strict=True)]
+        for drawn in _drawn(noisy, count, model, windows, leans, 1, DRAWS)
+    ])  # fmt: skip
 
 
 def _mean_square(values: Array) -> float:
@@ -165,8 +190,3 @@ def weighed(windows: Sequence[Window], spreads: Sequence[Array]) -> list[Window]
     """The windows with standard deviations that hold twice the variance of the response besides the sensor's."""
     own = [w.noise if w.sd is None else w.sd for w in windows]
     return [replace(w, sd=np.sqrt(sd**2 + 2.0 * v)) for w, sd, v in zip(windows, own, spreads, strict=True)]
-
-
-def floor(window: Window, variance: Array) -> float:
-    """Root mean square that the true model would score: sensor noise and what redrawn noise does."""
-    return math.sqrt(float(np.mean(window.noise**2 + variance)))

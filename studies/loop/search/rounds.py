@@ -174,7 +174,7 @@ def _swings_show_more(setup: Setup, trial: Trial) -> bool:
 
 
 def _lost_either_way(now: Fit, without: Fit) -> bool:
-    """Whether whole records speak neither for an effect nor against it: none that tells is nearly met, or was so before.
+    """Whether whole records speak neither for an effect nor against it: none that tells is nearly met, or was so.
 
     Where another effect is missing still, all of them may be lost with this one and without it, a little more or less.
     """

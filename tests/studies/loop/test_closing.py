@@ -28,6 +28,12 @@ def test_what_whole_records_refused_does_not_come_back_as_a_rival(monkeypatch):
     assert [r.trial.names[-1] for r in kept] == ["floor", "bed"]
 
 
+@pytest.fixture(autouse=True)
+def _quiet_base(monkeypatch):
+    """What the base does to a record is known: stubs say how far records are missed."""
+    monkeypatch.setattr(closing, "met", lambda setup, whole, within: whole.rms < within)
+
+
 @pytest.mark.parametrize(
     ("criterion", "left", "by_rotation", "kept", "alike"),
     [
@@ -384,6 +390,36 @@ def test_one_coefficient_takes_the_place_of_two_names_that_swings_and_whole_reco
     monkeypatch.setattr(closing, "search", search)
     setup = SimpleNamespace(by_rotation=True, simulator=None, records=[], swings=())
     chosen, verdict = closing._explained(setup, plain, None, found, records(1.04), lambda text: None)
+    assert verdict == ends and chosen is (one if ends == "unexplained" else found)
+
+
+@pytest.mark.parametrize(
+    ("rms", "by_base", "chi2", "says", "ends"),
+    [
+        pytest.param(1.2, False, 8_980.0, True, "unexplained", id="all for it"),
+        pytest.param(1.04, False, 8_980.0, True, "effect", id="the string meets whole records"),
+        pytest.param(1.2, True, 8_980.0, True, "effect", id="as far as the base lets it"),
+        pytest.param(1.2, False, 9_014.0, True, "effect", id="swings prefer the string"),
+        pytest.param(1.2, False, 8_980.0, False, "effect", id="whole records do not prefer the coefficient"),
+    ],
+)
+def test_one_coefficient_takes_the_place_of_a_string_that_misses_whole_records(
+    monkeypatch, rms, by_base, chi2, says, ends
+):
+    """A torque with the cube of the rotation came out as a tether: worse by 21 in swings, 1.2 times the noise whole."""
+    plain, found = explained_trial(20_000.0), explained_trial(9_000.0, "tether")
+    one = explained_trial(chi2, "learned_term")
+    monkeypatch.setattr(closing, "met", lambda setup, whole, within: by_base or whole.rms < within)
+    monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.0)
+    monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
+    monkeypatch.setattr(closing, "by_chance", lambda setup, trial: True)
+    monkeypatch.setattr(closing, "by_itself", lambda simulator, trial: ())
+    monkeypatch.setattr(closing, "whole_fit", lambda setup, trial, whole: trial)
+    monkeypatch.setattr(closing, "whole_fit_from_many", lambda setup, trial, whole: whole)
+    monkeypatch.setattr(closing, "explains_more", lambda setup, fitted, other: says and fitted is one)
+    monkeypatch.setattr(closing, "search", lambda simulator, onto, pool, tell, leading: Round(onto, [one]))
+    setup = SimpleNamespace(by_rotation=True, simulator=None, records=[], swings=())
+    chosen, verdict = closing._explained(setup, plain, None, found, records(rms), lambda text: None)
     assert verdict == ends and chosen is (one if ends == "unexplained" else found)
 
 
