@@ -68,6 +68,9 @@ class Effect:
     ranges: ClassVar[dict[str, tuple[float, float]]] = {}
     """Lowest and highest value of a parameter, where there is one; both are allowed."""
 
+    unbounded: ClassVar[frozenset[str]] = frozenset()
+    """Parameters that may be infinite, of those that are not where they are absent."""
+
     rank: ClassVar[int] = 0
     """Effects on the base and the sensors act in the order of their ranks."""
 
@@ -80,7 +83,8 @@ class Effect:
             # What is not there may be said by None or by infinity; nothing else is but a finite number.
             if value == field.default:
                 continue
-            number = isinstance(value, numbers.Real) and math.isfinite(value)
+            endless = field.name in self.unbounded and value == math.inf
+            number = isinstance(value, numbers.Real) and (endless or math.isfinite(value))
             if not (number and low <= value <= high):
                 want = "a number" if (low, high) == (-math.inf, math.inf) else f"{low:g} to {high:g}"
                 raise ValueError(f"{self.name}.{field.name}={value!r} {self.units.get(field.name, '1')}: want {want}")

@@ -32,7 +32,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from rocking.composed import ComposedMethod1, OnRigidBlock, added
 from rocking.hybrid import REST, ROTATION, ROTATION_JUMP, Anchor, Base, Discrete, in_floor_axes
@@ -233,7 +233,7 @@ class BlockOnSoftFloor(OnRigidBlock):
         }
     )
     # "contact" is the right foot's, "landing" the left foot's.
-    guard_names = ("fall", "contact", "landing", "right_lifts", "left_lifts")
+    guard_names: ClassVar[tuple[str, ...]] = ("fall", "contact", "landing", "right_lifts", "left_lifts")
     carries_pitch = True
     inadmissible_reason = ""
     flow = staticmethod(flow)
@@ -245,7 +245,7 @@ class BlockOnSoftFloor(OnRigidBlock):
         positive("corner_stiffness", self.corner_stiffness, "N/m")
         within("damping_ratio", self.damping_ratio, 0.0, math.inf)
         within("spread", self.spread, 0.0, 1.0)
-        positive("tangential_ratio", self.tangential_ratio, "1")
+        self._check_along()
         if not self.friction > 0.0:
             raise ValueError(f"friction={self.friction!r}: want more than 0, or inf where the corners are held")
         if self.friction < math.inf and self.damping_ratio == 0.0:
@@ -264,12 +264,17 @@ class BlockOnSoftFloor(OnRigidBlock):
                 f"{least:.6g} N/m, below which the block cannot stand"
             )
 
+    def _check_along(self) -> None:
+        positive("tangential_ratio", self.tangential_ratio, "1")
+
     @cached_property
     def parameters(self) -> Parameters:
         """The numbers that the equations take."""
         form = self.rigid.form
         per_mass = self.corner_stiffness / form.mass
         dashpot, along = 2.0 * self.damping_ratio * math.sqrt(per_mass), float(self.tangential_ratio)
+        if along == math.inf:
+            along = 0.0  # nothing moves along the floor that a spring could hold
         return Parameters(
             form.half_breadth, form.offset, form.mass_height, form.rho2, float(self.g), per_mass, dashpot,
             along * per_mass, math.sqrt(along) * dashpot, float(self.spread), min(float(self.friction), UNLIMITED),

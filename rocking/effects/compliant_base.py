@@ -4,14 +4,15 @@ Adds        two freedoms, springs and dashpots under the corners or spread under
 Parameters  corner_stiffness k [N/m], infinite (rigid) where it is absent; damping_ratio xi = c / (2 sqrt(k m)) [1] of
             a corner, which takes the place of restitution; spread [1], the share of the normal springs and dashpots
             that is a Winkler bed as stiff in all as two corners, 0 where it is absent; tangential_ratio [1], a
-            corner's stiffness along the floor over k, 1 where it is absent; friction mu of the corners [1], infinite
-            where it is absent: then they are held until they leave the floor, which makes impacts harder than those of
-            any foot that friction holds
+            corner's stiffness along the floor over k, 1 where it is absent, infinite where the floor gives downward
+            alone and nothing slides (`rocking.downward_floor`); friction mu of the corners [1], infinite where it is
+            absent: then they are held until they leave the floor, which makes impacts harder than those of any foot
+            that friction holds
 Use when    the block stands on rubber, soil or a soft table, or rattles audibly
 Limits      on a bed the corners alone are held along the floor, by the friction of the whole bed; not together with
             rounded_edges or sliding
 Source      Psycharis & Jennings (1983), Earthquake Eng. Struct. Dyn. 11, 57-76
-Status      see `rocking.soft_floor`
+Status      see `rocking.soft_floor` and `rocking.downward_floor`
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from rocking.composed import ComposedMethod1
+from rocking.downward_floor import BlockOnDownwardFloor
 from rocking.effect import Effect
 from rocking.hybrid import System
 from rocking.soft_floor import BlockOnSoftFloor
@@ -51,11 +53,13 @@ class CompliantBase(Effect):
         "tangential_ratio": (0.0, math.inf),
         "friction": (0.0, math.inf),
     }
+    unbounded: ClassVar[frozenset[str]] = frozenset({"tangential_ratio"})
 
     def freedoms(self, system: ComposedMethod1) -> System:
         """The block on springs; the rigid one if they are infinitely stiff."""
         if self.corner_stiffness == math.inf:
             return system
-        return BlockOnSoftFloor(
+        made = BlockOnDownwardFloor if self.tangential_ratio == math.inf else BlockOnSoftFloor
+        return made(
             system, self.corner_stiffness, self.damping_ratio, self.spread, self.tangential_ratio, self.friction
         )

@@ -108,6 +108,7 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
             "effects/test_effects_on_instruments",
         ),
     ),
+    ("rocking/downward_floor.py", ("effects/test_downward_floor",)),
     ("rocking/remembering.py", ("effects/test_learned_memory",)),
     ("rocking/inner_mass.py", ("effects/test_learned_mode",)),
     ("rocking/hysteretic.py", ("effects/test_learned_hysteresis",)),

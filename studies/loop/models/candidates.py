@@ -120,6 +120,8 @@ from there to the soft one, and from a rigid one does not."""
 BOUNCES = 8
 """The same of corners that bounce, of which more is tried."""
 
+ALONG = "compliant_base.tangential_ratio"
+
 GRIP, LESS_GRIP = 2.0, 1.0
 """Friction of corners on springs [1] where none is declared: more than shaking asks for, so that they slip only where
 they are about to leave; and less, of which intervals bear what it would change.  Swings hardly tell it."""
@@ -138,6 +140,28 @@ def grips(block: DeclaredBlock, declared: float | None) -> tuple[float, float]:
     return declared, GRIP if declared < GRIP else LESS_GRIP
 
 
+def _floor(
+    label: str, spread: float, stiffnesses: Sequence[float], fixed: Mapping[str, float], *, after: str = "",
+    assumed: Mapping[str, float] | None = None,
+) -> Candidate:  # fmt: skip
+    """A floor that gives; its stiffness along itself is fitted, from that into it, unless that is fixed."""
+    stiffness = "compliant_base.corner_stiffness"
+    parameters = [
+        Parameter(stiffness, 0.3, 1e-3 * stiffnesses[0], 10.0 * stiffnesses[-1], True, UNEVEN),
+        Parameter("compliant_base.damping_ratio", 0.3, 1e-3, 2.0, True, UNEVEN),
+    ]
+    start, told = {"compliant_base.damping_ratio": 0.12}, ALONG in fixed
+    if not told:
+        parameters.append(Parameter(ALONG, 0.5, 0.05, 100.0, True, UNEVEN))
+        start[ALONG] = 1.0
+    return Candidate(
+        label, "compliant_base", tuple(parameters), tuple({stiffness: k, **start} for k in stiffnesses),
+        {"compliant_base.spread": spread, **fixed}, smooth=False, replaces_restitution=True, costly=True,
+        scouts=("compliant_base.damping_ratio",), screened=FLOORS, parts=PARTS_OF_FLOORS,
+        after=after, minima_in="" if told else ALONG, assumed=assumed or {},
+    )  # fmt: skip
+
+
 def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candidate, ...]:
     grip, other = grips(block, friction)
     weight = block.mass * G_STANDARD
@@ -151,23 +175,20 @@ def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candi
     )
     felt = block.mass / (1.0 + 0.25 * block.breadth**2 * block.mass / block.I_c)  # of the block at a corner
     hard = felt * (2.0 * math.pi * SOFTEST) ** 2
-    floors = tuple(
-        Candidate(
-            label, "compliant_base",
-            (
-                Parameter("compliant_base.corner_stiffness", 0.3, 1e-3 * starts[0], 10.0 * starts[-1], True, UNEVEN),
-                Parameter("compliant_base.damping_ratio", 0.3, 1e-3, 2.0, True, UNEVEN),
-                Parameter("compliant_base.tangential_ratio", 0.5, 0.05, 100.0, True, UNEVEN),
-            ),
-            tuple({"compliant_base.corner_stiffness": k, "compliant_base.damping_ratio": 0.12,
-                   "compliant_base.tangential_ratio": 1.0} for k in starts),
-            {"compliant_base.spread": spread, "compliant_base.friction": grip}, smooth=False,
-            replaces_restitution=True, costly=True, scouts=("compliant_base.damping_ratio",), screened=FLOORS,
-            parts=PARTS_OF_FLOORS, minima_in="compliant_base.tangential_ratio",
-            assumed={"compliant_base.friction": other},
-        )
-        for label, spread, starts in (("compliant_base", 0.0, soft), ("compliant_base[bed]", 1.0, of_bed))
-    )  # fmt: skip
+    floors = (
+        *(
+            _floor(label, spread, starts, {"compliant_base.friction": grip}, assumed={"compliant_base.friction": other})
+            for label, spread, starts in (("compliant_base", 0.0, soft), ("compliant_base[bed]", 1.0, of_bed))
+        ),
+        # The two springs of Psycharis & Jennings (1983), and their bed: the floor gives downward alone.
+        *(
+            _floor(label, spread, starts, {ALONG: math.inf, "compliant_base.friction": math.inf}, after=after)
+            for label, spread, starts, after in (
+                ("compliant_base[downward]", 0.0, soft, ""),
+                ("compliant_base[bed, downward]", 1.0, of_bed, "compliant_base[downward]"),
+            )
+        ),
+    )
     spring = weight * block.R
     tethers = tuple(
         Candidate(
@@ -209,7 +230,7 @@ def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candi
                   for f in (200.0, 350.0, 550.0) for e in (0.3, 0.45, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9)),
             {"bouncing.friction": grip}, smooth=False, replaces_restitution=True, costly=True,
             scouts=("bouncing.normal_restitution",), screened=BOUNCES,
-            beyond=("compliant_base.corner_stiffness", {"compliant_base": hard, "compliant_base[bed]": math.inf}),
+            beyond=("compliant_base.corner_stiffness", {f.name: math.inf for f in floors} | {"compliant_base": hard}),
             same_as=bouncing_on,
             minima_in="bouncing.tangential_ratio", assumed={"bouncing.friction": other},
         ),

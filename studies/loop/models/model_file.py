@@ -106,13 +106,13 @@ def _table(path: Path, content: dict[str, Any], name: str) -> dict[str, Any]:
     return table
 
 
-def _number(path: Path, name: str, value: Any, absent: float = 0.0) -> float:
-    """The value as a number; infinite only where that is what says that a parameter is not there."""
+def _number(path: Path, name: str, value: Any, absent: float = 0.0, unbounded: bool = False) -> float:
+    """The value as a number; infinite only where that says that a parameter is not there, or that has no bound."""
     try:
         number = math.nan if isinstance(value, bool) or not isinstance(value, int | float) else float(value)
     except OverflowError:
         number = math.nan
-    if not math.isfinite(number) and number != absent:
+    if not math.isfinite(number) and number != absent and not (unbounded and number == math.inf):
         raise ModelError(f"{path}: {name}={shown(value)}: want a number that is finite")
     return number
 
@@ -137,7 +137,9 @@ def _effects(path: Path, tables: Any) -> dict[str, dict[str, float]]:
         if strange:
             raise ModelError(f"{path}: effects.{name} has no {shown(strange[0])}, want one of {', '.join(known)}")
         defaults: dict[str, Any] = {field.name: field.default for field in fields(load(name))}  # type: ignore[arg-type]
+        endless = load(name).unbounded
         out[name] = {
-            key: _number(path, f"effects.{name}.{key}", value, defaults[key]) for key, value in parameters.items()
+            key: _number(path, f"effects.{name}.{key}", value, defaults[key], key in endless)
+            for key, value in parameters.items()
         }
     return out

@@ -307,6 +307,9 @@ def floor_promises(simulator: Simulator, found: Round, tell: Callable[[str], Non
     less than these (`LEADS`).
     """
     for floor in (c for c in found.put_off if c.beyond is None):
+        before = found.begun.get(floor.after)
+        if floor.after and (before is None or before.gained <= NOTHING * PAYS):
+            continue
         tell(f"{floor.name}, on some swings")
         first = _on_some(simulator, found.onto, floor)
         if isinstance(first, str):

@@ -460,7 +460,8 @@ def test_a_floor_promises_where_it_leaves_little_and_others_leave_more_or_far_mo
     swing = SimpleNamespace(residuals=[np.zeros(252)] * 4, left=5000.0)
     onto = SimpleNamespace(swing=swing)
     hard = SimpleNamespace(name="hard", beyond=("k", {"floor": 1.0}))
-    pool = (hard, floor := SimpleNamespace(name="floor", beyond=None), bed := SimpleNamespace(name="bed", beyond=None))
+    floor, bed = (SimpleNamespace(name=name, beyond=None, after="") for name in ("floor", "bed"))
+    pool = (hard, floor, bed)
     monkeypatch.setattr(tracing, "_chosen", lambda onto, candidate: [0, 1, 2, 3])
     monkeypatch.setattr(tracing, "_of_some", lambda swing, chosen: swing.left)
     asked, gains = [], {"floor": 5000.0 - left, "bed": 0.0}
@@ -481,6 +482,24 @@ def test_a_floor_promises_where_it_leaves_little_and_others_leave_more_or_far_mo
     assert not tracing.floor_promises(None, Round(onto, others, put_off=pool[:1]))
     monkeypatch.setattr(tracing, "_on_some", lambda *_: "no start led anywhere")
     assert not tracing.floor_promises(None, Round(onto, others, put_off=pool))
+
+
+@pytest.mark.parametrize(("gained", "asked"), [(None, ["corners"]), (1.0, ["corners"]), (2000.0, ["corners", "bed"])])
+def test_a_bed_that_gives_downward_is_asked_where_its_corners_promise_something(monkeypatch, gained, asked):
+    corners = SimpleNamespace(name="corners", beyond=None, after="")
+    bed = SimpleNamespace(name="bed", beyond=None, after="corners")
+    seen = []
+
+    def first(_, __, candidate):
+        seen.append(candidate.name)
+        return "no start led anywhere" if gained is None else SimpleNamespace(gained=gained)
+
+    monkeypatch.setattr(tracing, "_on_some", first)
+    monkeypatch.setattr(tracing, "_chosen", lambda onto, candidate: [0])
+    monkeypatch.setattr(tracing, "_of_some", lambda swing, chosen: swing.left)
+    onto = SimpleNamespace(swing=SimpleNamespace(residuals=[np.zeros(252)], left=5000.0))
+    assert not tracing.floor_promises(None, Round(onto, [], put_off=(corners, bed)))
+    assert seen == asked
 
 
 def test_what_a_floor_was_asked_for_its_promise_is_not_asked_again(monkeypatch):
