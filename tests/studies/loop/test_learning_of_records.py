@@ -159,6 +159,7 @@ def test_whole_records_are_learned_of_where_they_alone_show_something(monkeypatc
     monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
     monkeypatch.setattr(closing, "unseen", lambda setup, onto, bare, tell: form if learned else None)
     monkeypatch.setattr(closing, "search", lambda *_, **__: Round(plain, []))
+    monkeypatch.setattr(closing, "_otherwise", lambda *_: None)  # one coefficient in place of a name: test_closing.py
     setup = SimpleNamespace(by_rotation=rotation, simulator=None)
     chosen, verdict = closing._explained(setup, plain, whole(*rms), stands, whole(*rms), lambda text: None)
     assert verdict == ends and chosen is (form if ends == "unexplained" else stands)
