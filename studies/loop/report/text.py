@@ -8,6 +8,7 @@ from typing import Any
 
 from studies.loop.models.names import page, readable
 from studies.loop.swings.learning import LEARNED
+from studies.loop.swings.tracing import PAYS
 from studies.loop.whole.rivals import TWIN
 
 Content = dict[str, Any]
@@ -20,6 +21,10 @@ MOST_DECIMALS = 8
 
 NOTHING = 10.0
 """A fall of chi-square below which a candidate explains nothing."""
+
+HINTED = 15.2
+"""And from which one is hinted at, named or not: of twenty candidates of two parameters each, chance lets the best one
+reach it once in a hundred times."""
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -90,10 +95,25 @@ def falls(content: Content) -> str:
     return f"the error on {where} goes from {before} to {after}{best}"
 
 
+def hint(content: Content) -> str | None:
+    """Where nothing was named, the effect that comes nearest to it, if chance would seldom let one come so near."""
+    if content["verdict"] != "none":
+        return None
+    best = max(content.get("candidates", ()), key=lambda row: row["evidence"] or 0.0, default=None)
+    if best is None or (best["evidence"] or 0.0) < HINTED:
+        return None
+    return (
+        f"{readable(best['form'])} is hinted at: it lowers chi-square by {evidence(best['evidence'])}, more than "
+        f"chance would, but less than the {PAYS:g} that are asked of an effect with a name"
+    )
+
+
 def verdict(content: Content) -> str:
-    """The finding in one sentence."""
+    """The finding in one sentence, or two where an effect that was not named is hinted at."""
     if content["verdict"] == "none":
-        return f"Nothing is missing that these records can show: for the calibrated ideal block, {falls(content)}."
+        least = f"Nothing is missing that these records can show: for the calibrated ideal block, {falls(content)}."
+        near = hint(content)
+        return least if near is None else f"{least} {near}."
     effects = listed([effect_words(content, name) for name in dict.fromkeys(content["effects"])])
     if content["verdict"] == "unexplained":
         missing = "Something is missing that no effect known to this program explains"
@@ -119,7 +139,7 @@ def concluded(content: Content) -> list[str]:
         return [
             "The ideal block with the calibrated restitution and leans predicts these tests about as well as the noise "
             "of the sensors lets any model do.",
-            "No effect that was tried lowered the misfit by more than chance would.",
+            f"{hint(content) or 'No effect that was tried lowered the misfit by more than chance would'}.",
         ]
     if content["verdict"] == "unexplained":
         return [
@@ -186,7 +206,7 @@ def reason(row: Content, content: Content, parts: Sequence[str]) -> str:
     if own < NOTHING:
         return "explains nothing"
     if content["verdict"] == "none":
-        return "explains too little to be more than chance"
+        return "hinted at, too little to be named" if own >= HINTED else "explains too little to be more than chance"
     if own >= best:
         return "explains the most by itself; the model after does without it"
     if own > 0.9 * best:

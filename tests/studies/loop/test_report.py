@@ -17,7 +17,7 @@ from studies.loop.finding_file import as_json
 from studies.loop.models.names import page, readable
 from studies.loop.report.figures import Points, binned
 from studies.loop.report.page import _nearest, report, write_report
-from studies.loop.report.text import evidence, number, reason, verdict, with_interval
+from studies.loop.report.text import concluded, evidence, number, reason, verdict, with_interval
 from studies.loop.whole.rivals import Rival
 
 SECTIONS = (
@@ -186,6 +186,27 @@ def test_the_verdict_says_whether_anything_was_learned(effects, said):
     error = {"units": "rad", "noise_floor": 0.001, **stages}
     content = {"verdict": "unexplained", "effects": effects, "parameters": {}, "error": error}
     assert said in verdict(content)
+
+
+# Of twenty candidates of two parameters chance lets the best one reach -2 ln(1 - 0.99^(1/20)) = 15.2 once in a hundred.
+@pytest.mark.parametrize(("fell", "hinted"), [(22.0, True), (15.1, False), (None, False)])
+def test_what_was_not_named_but_is_more_than_chance_is_said_to_be_hinted_at(fell, hinted):
+    """A base recorded 9 ms late, behind one accelerometer, fell short of what is asked with 22."""
+    stages = {stage: {"fit": 1.0, "holdout": 1.6} for stage in ("before", "after")}
+    error = {"units": "m/s^2", "noise_floor": 2.2, **stages}
+    rows = [
+        {"effect": form, "form": form, "beside": [], "evidence": value}
+        for form, value in (("base_motion_gain", 4.5), ("base_motion_lag", fell))
+    ]
+    content = {
+        "verdict": "none", "effects": [], "parameters": {}, "error": error, "candidates": rows, "indistinguishable": [],
+    }  # fmt: skip
+    said = "Base motion lag is hinted at: it lowers chi-square by 22, more than chance would, but less than the 60"
+    assert (said in verdict(content)) is hinted
+    assert any(said in text for text in concluded(content)) is hinted
+    assert any("by more than chance would." in text for text in concluded(content)) is not hinted
+    words = "hinted at, too little to be named" if hinted else "explains too little to be more than chance"
+    assert reason(rows[1], content, ()) == (words if fell else "explains nothing")
 
 
 def retold(values, covariance):
