@@ -14,9 +14,10 @@ upright, x'' is not: that instant is located while the block turns there.
 
 Source   Psycharis & Jennings (1983), Earthquake Eng. Struct. Dyn. 11, 57-76: two-spring foundation and Winkler bed,
          which let nothing slide; here without their small angles
-Status   Lagrange's equations integrated by SciPy, the limit of stiff springs along the floor, energy (tests).  A block
-         that has left the floor with both corners is still held along it, which a free one is not: where it jumps,
-         take springs along the floor.
+Status   Lagrange's equations integrated by SciPy, energy, stiff springs along the floor (tests).  Such springs lead to
+         it no further than they are soft beside both feet: these are 2 a cos theta apart, which locks the base where
+         k_t a theta^2 is not small beside the weight; here the lower foot alone is held.  A block that has left the
+         floor with both corners is still held along it, which a free one is not: where it jumps, take springs.
 """
 
 from __future__ import annotations

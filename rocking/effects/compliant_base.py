@@ -5,9 +5,9 @@ Parameters  corner_stiffness k [N/m], infinite (rigid) where it is absent; dampi
             a corner, which takes the place of restitution; spread [1], the share of the normal springs and dashpots
             that is a Winkler bed as stiff in all as two corners, 0 where it is absent; tangential_ratio [1], a
             corner's stiffness along the floor over k, 1 where it is absent, infinite where the floor gives downward
-            alone and nothing slides (`rocking.downward_floor`); friction mu of the corners [1], infinite where it is
-            absent: then they are held until they leave the floor, which makes impacts harder than those of any foot
-            that friction holds
+            alone and the lower corner stays in its place (`rocking.downward_floor`); friction mu of the corners [1],
+            infinite where it is absent: then they are held until they leave the floor, which makes impacts harder than
+            those of any foot that friction holds
 Use when    the block stands on rubber, soil or a soft table, or rattles audibly
 Limits      on a bed the corners alone are held along the floor, by the friction of the whole bed; not together with
             rounded_edges or sliding

@@ -253,11 +253,11 @@ def _nothing_is_left(setup: Setup, path: Path) -> bool:
     # Two effects may stand in for a floor in the swings, but for the end of records hardly. Where a block slips what is
     # left is a median over the windows, and says nothing of a minority of them; whole records do.
     if not slips(path.last):
-        return by_chance(setup, path.last) and (not setup.by_rotation or _met(setup, path))
-    return _met(setup, path)
+        return by_chance(setup, path.last) and (not setup.by_rotation or _met_from_some_start(setup, path))
+    return _met_from_some_start(setup, path)
 
 
-def _met(setup: Setup, path: Path) -> bool:
+def _met_from_some_start(setup: Setup, path: Path) -> bool:
     """Whether whole records are met; these are rugged, and are fitted from more starts before they say no."""
     if not setup.by_rotation:
         return path.whole.rms < MISSED
