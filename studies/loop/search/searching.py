@@ -76,13 +76,18 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     begin = Path([plain], [], [whole_fit(setup, plain)])
     tell("tracing, round 1")
     opening = searched(setup, plain, pool, tell, later=True)
-    floor = _floor_first(setup, begin, opening, pool, tell)
+    # One coefficient is asked in far less time than floors, in whose reach what it explains to the end is not.
+    term = None if _nothing_is_left_of_swings(setup, opening) else _coefficient(setup, plain, tell)
+    floor = _floor_first(setup, begin, opening, pool, tell) if term is None else None
     if floor is not None and _enough_alone(setup, floor):
         return floor
     first = floor or followed(setup, begin, pool, tell, later=True, begun=[opening], most=1)
-    without_names = _without_names(setup, plain, first, pool, tell)
-    if without_names is not None:
-        return without_names
+    if not explains(setup, first.last, first.whole):
+        if term is None and _nothing_is_left_of_swings(setup, opening):
+            term = _coefficient(setup, plain, tell)
+        path = _without_names(setup, plain, first, pool, term, tell) if term is not None else None
+        if path is not None:
+            return path
     if floor is not None:
         floor = followed(setup, floor, pool, tell)
         if explains(setup, floor.last, floor.whole):
@@ -129,7 +134,7 @@ def _floor_first(
 
     opening: the first round, of which swings alone were asked.
     """
-    if any(nothing_of_swings(setup, t) for t in (opening.onto, *opening.trials)):
+    if _nothing_is_left_of_swings(setup, opening):
         return None
     if not declared_noise(setup) or not floor_promises(setup.simulator, opening, tell):
         return None
@@ -205,23 +210,32 @@ def _enough(setup: Setup, term: Trial) -> Fit | None:
     return whole if met(setup, whole, MISSED if by_chance(setup, term) else CLOSELY) else None
 
 
-def _without_names(
-    setup: Setup, plain: Trial, first: Path, pool: Sequence[Candidate], tell: Tell
-) -> Path | None:  # fmt: skip
-    """The path that goes no further since one coefficient without a name explains what effects with one do not.
+def _nothing_is_left_of_swings(setup: Setup, opening: Round) -> bool:
+    """Whether the calibrated block, or an effect of the first round, leaves nothing of the swings."""
+    return any(nothing_of_swings(setup, t) for t in (opening.onto, *opening.trials))
 
-    It has to leave nothing where a first effect, and any smooth one on top of it, leave structure, and swings have to
-    prefer it by far, whole records not to refuse it; or these prefer it by far to both, and swings do not refuse it.
 
-    first: the path after its first round.
-    """
-    if not setup.by_rotation or not declared_noise(setup) or explains(setup, first.last, first.whole):
+def _coefficient(setup: Setup, plain: Trial, tell: Tell) -> tuple[Trial, Fit] | None:
+    """The coefficient without a name that explains most of the swings, if it explains them and whole records."""
+    if not setup.by_rotation or not declared_noise(setup):
         return None
     tell("something is left: asking coefficients without a name")
     term = search(setup.simulator, plain, by_itself(setup.simulator, plain), tell, leading=True).best
-    its_whole = _enough(setup, term) if term is not None and pays(plain.swing, term.swing) else None
-    if term is None or its_whole is None:
-        return None
+    whole = _enough(setup, term) if term is not None and pays(plain.swing, term.swing) else None
+    return None if term is None or whole is None else (term, whole)
+
+
+def _without_names(
+    setup: Setup, plain: Trial, first: Path, pool: Sequence[Candidate], coefficient: tuple[Trial, Fit], tell: Tell
+) -> Path | None:  # fmt: skip
+    """The path that goes no further since one coefficient without a name explains what effects with one do not.
+
+    It leaves nothing where a first effect, and any smooth one on top of it, leave structure, and swings have to prefer
+    it by far, whole records not to refuse it; or these prefer it by far to both, and swings do not refuse it.
+
+    first: the path after its first round.
+    """
+    term, its_whole = coefficient
     path, smooth = first, [c for c in pool if c.smooth]
     if len(first.trials) > 1:
         path = followed(setup, first, smooth, tell, later=True, most=2)

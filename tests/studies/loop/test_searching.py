@@ -50,8 +50,8 @@ def ways(monkeypatch):
     monkeypatch.setattr(searching, "_one_term_is_enough", lambda setup, plain, tell: told.term)
     told.asked_for_a_form = searching._form_in_place
     monkeypatch.setattr(searching, "_form_in_place", lambda setup, plain, path, tell: told.form)
-    told.without_names = searching._without_names
-    monkeypatch.setattr(searching, "_without_names", lambda *search: None)
+    told.coefficient = searching._coefficient
+    monkeypatch.setattr(searching, "_coefficient", lambda setup, plain, tell: None)
     for module in (rounds, searching):
         monkeypatch.setattr(module, "by_chance", lambda setup, trial: told.chance)
         monkeypatch.setattr(module, "explains", lambda setup, trial, whole: told.explains)
@@ -327,14 +327,21 @@ def test_a_floor_that_explains_swings_and_misses_whole_records_is_not_gone_on_fr
     assert ((), True, True) in springs.rounds
 
 
-def test_one_coefficient_without_a_name_may_be_more_than_a_floor_that_leads(springs, monkeypatch):
+def test_no_floor_is_asked_where_one_coefficient_without_a_name_leaves_nothing(springs, monkeypatch):
+    """Floors take a minute or two, the coefficient a quarter of that; it explains more than effects with a name do."""
     springs.promises, springs.explains = True, False
     springs.trials = {(): [path_of("a", chi2=1000.0)]}
     springs.accepted[((), False)] = path_of("springs", costly=True, chi2=100.0)
-    other, seen = object(), []
-    monkeypatch.setattr(searching, "_without_names", lambda setup, plain, first, *_: seen.append(first.last) or other)
+    coefficient, other, seen = (object(), object()), object(), []
+
+    def without_names(setup, plain, first, pool, found, tell):
+        seen.append((first.last.names, found))
+        return other
+
+    monkeypatch.setattr(searching, "_coefficient", lambda setup, plain, tell: coefficient)
+    monkeypatch.setattr(searching, "_without_names", without_names)
     assert searching.traced(setup_of(True), path_of(chi2=2000.0), lambda text: None) is other
-    assert [t.names for t in seen] == [("springs",)]
+    assert seen == [(("a",), coefficient)] and not any(not later for _, later, _ in springs.rounds)
 
 
 def test_one_effect_that_slips_puts_no_floor_off(ways):
@@ -661,7 +668,7 @@ def term(stand_in, monkeypatch):
 
     monkeypatch.setattr(rounds, "_round", noted)
     monkeypatch.setattr(searching, "all_candidates", lambda model, friction: tuple(pool))
-    monkeypatch.setattr(searching, "_without_names", stand_in.without_names)
+    monkeypatch.setattr(searching, "_coefficient", stand_in.coefficient)
     monkeypatch.setattr(searching, "by_itself", lambda simulator, trial: ("those without a name",))
     monkeypatch.setattr(searching, "search", search)
     monkeypatch.setattr(searching, "over_noise", lambda setup, trial: stand_in.left)
@@ -699,6 +706,27 @@ def test_where_one_coefficient_leaves_nothing_that_smooth_effects_leave_the_sear
     assert [set(r.skipped) for r in found.rounds] == [{"floor"}, {"floor", "rough"}]
     assert all(why == searching.ONE_TERM for r in found.rounds for why in r.skipped.values())
     assert not any(r.put_off for r in found.rounds)
+
+
+@pytest.mark.parametrize(("nothing", "explains"), [((), False), ([("both",)], False), ([("both",)], True)])
+def test_one_coefficient_is_asked_unless_an_effect_with_a_name_explains_swings_and_whole_records(
+    term, monkeypatch, nothing, explains
+):
+    """Once: at first where all leave something of the swings, else where whole records are missed.
+
+    explains: whether the effect that leaves nothing of the swings explains whole records as well.
+    """
+    asked, coefficient = [], searching._coefficient
+
+    def counted(setup, plain, tell):
+        asked.append(plain)
+        return coefficient(setup, plain, tell)
+
+    monkeypatch.setattr(searching, "_coefficient", counted)
+    term.nothing, term.explains = nothing, explains
+    term.enough = term.first["both"] if explains else None
+    assert (term.searched().term is term.found) is (not explains)
+    assert len(asked) == (not explains)
 
 
 @pytest.mark.parametrize(
@@ -757,9 +785,8 @@ def test_behind_a_sensor_with_play_whole_records_say_what_swings_leave(term, lef
     assert (term.searched().term is term.found) is taken
 
 
-def test_no_coefficient_is_asked_for_where_the_first_effect_explains_all(term, monkeypatch):
+def test_a_first_effect_that_explains_all_stands_beside_a_coefficient_that_leaves_nothing(term):
     term.enough = term.first["both"]
-    monkeypatch.setattr(searching, "search", None)
     assert term.searched().term is None
 
 
