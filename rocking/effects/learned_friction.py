@@ -1,12 +1,13 @@
 """Learned friction: a torque against the motion by any curve of the rotation, where no effect with a name explains it.
 
-Adds        theta'' += c(theta) f(omega), f(omega) = omega / sqrt(omega^2 + 0.001^2); c a natural cubic spline over
-            equal intervals from low to high, beyond which it keeps its last value; each side has its own
+Adds        theta'' += c(theta) f(omega), f(omega) = omega / sqrt(omega^2 + 0.00003^2); c a natural cubic spline
+            over equal intervals from low to high, beyond which it keeps its last value; each side has its own
 Parameters  low and high, where c begins and ends [rad]; intervals, 1 to `MOST` [1]; friction_0 ..., coefficients of c
             [rad/s^2], one more than there are intervals, as those of `rocking.effects.learned_curve`; below zero they
             rub; 0 where absent
 Use when    something rubs on one side, or from some rotation on: a cable, a guide, a hinge of an instrument
-Limits      no memory, and it does not hold the block; what is narrower than an interval is smeared over it
+Limits      no memory, and what it would hold creeps at some 0.00003 rad/s; what is narrower than an interval is smeared
+            over it
 Source      as `rocking.effects.learned_curve`; Coulomb friction made smooth as in `rocking.effects.learned_term`
 Status      a constant and a straight curve against the friction of the learned term, SciPy's splines by way of the
             curve, and the absent value (tests)

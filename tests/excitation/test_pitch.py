@@ -57,6 +57,11 @@ def test_sinusoidal_pitch_between_its_tapers_is_the_sine(frequency, amplitude, p
     assert np.array(motion(t)) == pytest.approx(0.0, abs=0.0)
 
 
+@pytest.mark.parametrize(("frequency", "duration", "usual"), [(0.5, 20.0, 2.0), (4.0, 20.0, 0.25), (0.5, 3.0, 1.5)])
+def test_a_sinusoidal_pitch_sets_in_and_goes_within_a_period_or_half_of_it_all(frequency, duration, usual):
+    assert ex.SinusoidalPitch(frequency, 0.01, duration).tapers == (usual, usual)
+
+
 def test_pitch_in_proportion_is_that_of_acceleration_and_displacement(motions):
     """c_a a_x itself; c_d times the second integral of a_x by SciPy's quadrature."""
     from scipy.integrate import quad

@@ -94,6 +94,12 @@ def test_every_step_divides_the_sampling_interval():
     assert last == pytest.approx(2.0, abs=1e-3)  # the paper's 2 s
 
 
+def test_a_drop_is_from_its_height_changed_by_a_share():
+    plan = numerical_stability.DropPlan(0.02)
+    assert numerical_stability.drop_of(plan).height == 0.02
+    assert numerical_stability.drop_of(plan, 0.01).height == pytest.approx(0.0202, rel=1e-14)
+
+
 def with_differences(ds, difference):
     """fig12's findings where the differences of all rules are these, over the nine steps."""
     nine = ds.isel(step=np.flatnonzero(ds.of_nine.values)).drop_dims("statement")

@@ -44,6 +44,13 @@ def body_of_points(o: float, H: float, mass: float, inertia: float) -> tuple[np.
     return np.stack([o + reach * np.cos(angles), H + reach * np.sin(angles)]), np.full(4, 0.25 * mass)
 
 
+@pytest.mark.parametrize("offset", [0.02, -0.02])
+def test_the_tilt_of_unstable_balance_is_the_smaller_of_both_sides(block: Block, offset: float) -> None:
+    """Where the centre of mass stands over the nearer corner: tan(theta_c) = (b/2 - |offset|) / (h/2)."""
+    nearer = math.atan((0.5 * block.b - abs(offset)) / (0.5 * block.h))
+    assert composed(block, f"eccentric_mass.offset={offset!r}").theta_c == pytest.approx(nearer, rel=1e-14)
+
+
 # Housner's argument, point by point: all turn about the old contact; after it about the new one with the same angular
 # momentum about that.
 @pytest.mark.parametrize("s", [1.0, -1.0])

@@ -12,7 +12,7 @@ from rocking.form import Form
 from rocking.hybrid import Base
 
 THETA, OMEGA, SIDE, A_X = -0.12, 0.35, -1.0, 1.7
-F = OMEGA / math.hypot(OMEGA, 0.001)
+F = OMEGA / math.hypot(OMEGA, 3e-5)
 TORQUES = {
     "bias": 1.0, "side": SIDE, "spring": THETA, "cubic": THETA**3, "friction": F, "damping": OMEGA,
     "side_damping": SIDE * OMEGA, "drag": OMEGA * abs(OMEGA), "cubic_damping": OMEGA**3, "base": A_X,
@@ -30,6 +30,18 @@ def test_a_coefficient_adds_its_term_and_no_other(name: str) -> None:
     lost = loss(np, 0.9, OMEGA, SIDE, values)
     assert added == pytest.approx(0.4 * TORQUES.get(name, 0.0), rel=1e-12, abs=1e-15)
     assert lost == pytest.approx(0.9 + 0.4 * LOSSES.get(name, 0.0), rel=1e-12)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
+def test_what_friction_would_hold_creeps_slowly(share: float) -> None:
+    """A torque beyond the weight's is that share of what rubs: omega = 3e-5 share / sqrt(1 - share^2)."""
+    system, more = Method1(Block(0.2, 0.8)), 1.0
+    p2, alpha = system.parameters.p2, system.parameters.alpha
+    held = LearnedTerm(bias=p2 * math.sin(alpha) + more, friction=-more / share)
+    found = solve(system, t_end=0.2, effects=[held], rtol=1e-11, atol=1e-13, save_at=[0.1, 0.2])
+    pushed = p2 * (math.sin(alpha) - math.sin(alpha - found.theta[-1])) + more
+    there = share * pushed / more
+    assert found.omega[-1] == pytest.approx(3e-5 * there / math.sqrt(1.0 - there**2), rel=1e-4)
 
 
 # Friction smoothed over 0.01 rad/s was right to 2e-5 here, and misled whole records by ten times the noise.
