@@ -400,6 +400,33 @@ def test_a_block_that_is_thrown_up_flies_and_is_not_taken_for_one_that_blew_up()
     assert run.z[-1, 0] - run.z[0, 0] == pytest.approx(5.0 * run.time[-1] - 0.5 * 9.80665 * run.time[-1] ** 2, rel=1e-3)
 
 
+def test_each_contact_feels_how_the_points_that_touch_move_apart():
+    """Along its normal and across it: points carried by turned bodies, by rotation matrices; joints of an arch slant."""
+    stability, scene = importlib.import_module("dem.assembly_stability"), SCENES["arch"]
+    touch = all_touches(scene)
+    scaled, movable = stability._rows(scene, touch)
+    root = np.sqrt([[body.mass, body.mass, body.inertia] for body in scene.bodies])
+    moved = np.random.default_rng(3).standard_normal((movable, 3))
+    small = 1e-6
+
+    def displaced(body, point):
+        """How far a point of a body goes; what is not movable stays."""
+        if body >= movable:
+            return np.zeros(2)
+        dx, dz, turn = small * moved[body]
+        turned = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])  # clockwise
+        lever = point - (scene.bodies[body].x, scene.bodies[body].z)
+        return np.array([dx, dz]) + turned @ lever - lever
+
+    slants = 0
+    for k, (normal, point) in enumerate(zip(touch.normal, touch.point, strict=True)):
+        apart = (displaced(touch.first[k], point) - displaced(touch.second[k], point)) / small
+        felt = (scaled @ (root * moved).ravel())[2 * k : 2 * k + 2]
+        assert felt == pytest.approx([apart @ normal, apart @ (normal[1], -normal[0])], abs=1e-5)
+        slants += abs(normal[0] * normal[1]) > 0.1
+    assert slants > 4
+
+
 @pytest.mark.parametrize("name", ["three", "masonry", "arch", "stones"])
 @pytest.mark.parametrize("xi", [0.0, 0.3])
 def test_runs_just_below_the_critical_step_stay_bounded_and_just_above_grow(monkeypatch, name, xi):
