@@ -104,6 +104,16 @@ def test_a_hollow_flight_lands_where_its_least_height_is_below_the_floor(least: 
         assert found[lane] == pytest.approx(first_root(column(q, lane), 0.4), rel=1e-11)
 
 
+def test_a_flight_that_rises_first_and_ends_above_the_floor_may_land_between() -> None:
+    """It is bent downward, then upward: a cubic with its first landing at 0.3 s, back above the floor from 0.5 s on."""
+    cubic = np.polynomial.Polynomial.fromroots([-0.05, 0.3, 0.5]).coef
+    assert cubic[0] > 0.0 and cubic[1] > 0.0 > cubic[2]
+    q = [np.linspace(0.5, 2.0, LANES) * c for c in (*cubic, *[0.0] * (DEGREE - 3))]
+    q = [lanes_of(c) for c in q]
+    found = roots.first_landing(q, q[0], lanes_of(0.9), EVERY, np.zeros((roots.SCRATCH, LANES)))
+    assert found == pytest.approx(np.full(LANES, 0.3), rel=1e-11)
+
+
 # Flights of every kind, near the floor or on it; those that are not near are left alone.
 @pytest.mark.parametrize("seed", range(60))
 def test_a_flight_lands_where_numpy_finds_its_first_root(seed: int) -> None:
