@@ -401,7 +401,7 @@ def test_a_block_that_is_thrown_up_flies_and_is_not_taken_for_one_that_blew_up()
 
 
 def test_each_contact_feels_how_the_points_that_touch_move_apart():
-    """Along its normal and across it: points carried by turned bodies, by rotation matrices; joints of an arch slant."""
+    """Along its normal and across it, by rotation matrices of the bodies that carry it; joints of an arch slant."""
     stability, scene = importlib.import_module("dem.assembly_stability"), SCENES["arch"]
     touch = all_touches(scene)
     scaled, movable = stability._rows(scene, touch)

@@ -66,6 +66,16 @@ def test_a_block_far_off_its_middle_stands_still_on_a_part_of_the_bed(offset: fl
         assert 2.0 * k / 0.15 * 0.5 * length**2 * math.sin(abs(theta)) == pytest.approx(SMALL.mass * G, rel=1e-9)
 
 
+def test_a_broad_block_a_little_off_its_middle_third_stands_on_nearly_all_of_the_bed() -> None:
+    """Of a base of 4 m the side that is lifted off is short: a triangle of pressures, nearly as long as the base."""
+    broad, k, offset = Block(b=4.0, h=4.0, d=1.0, density=1000.0), 4e7, 0.68
+    system = compose(Method1(broad), effects(k, 0.1, 1.0, f"eccentric_mass.offset={offset!r}"))
+    theta = system.initial_state()[0][2]
+    length = 3.0 * (2.0 - (offset + 2.0 * math.tan(theta)))
+    assert 3.8 < length < 4.0
+    assert 2.0 * k / 4.0 * 0.5 * length**2 * math.sin(theta) == pytest.approx(16_000.0 * G, rel=1e-9)
+
+
 def test_a_bed_that_is_not_touched_carries_nothing() -> None:
     system = compose(Method1(SMALL), effects(1e6, 0.1, 1.0))
     for theta in (0.0, 1e-160, -1e-160, 1e-8, -0.2):
