@@ -54,6 +54,12 @@ FURTHER_COSTLY = 4
 SCOUTED = 2
 """Starts of a candidate with scouts from which all of its parameters are fitted."""
 
+ABOUT = np.linspace(-0.08, 0.08, 17)
+"""Speeds over p times the slenderness angle from which a missed swing is tried again, about that of its peak."""
+
+FEW_LOST = 0.1
+"""Share of the windows up to which those that are missed are tried from such speeds: beyond, the model is wrong."""
+
 NOTHING = 0.05
 """A gain on some of the windows below this share of `PAYS` promises nothing."""
 
@@ -551,7 +557,9 @@ def _with_lost_found(simulator: Simulator, found: Fit) -> Fit:
 
     Without the effect their states were bent to what the block could do, and some stay in a minimum of their own.  A
     peak of few samples may seem to move so fast that a fit from there ends on the other side of an impact: what is told
-    of a peak for certain is that the block stands still there.
+    of a peak for certain is that the block stands still there.  A block that all but stops upright in the middle of a
+    swing goes on or back by a little speed more or less, which a flat peak does not tell: where few windows are missed
+    these begin from the best of several, too.
     """
     lost = np.flatnonzero(found.by_window > HUBER)
     if not lost.size:
@@ -559,7 +567,10 @@ def _with_lost_found(simulator: Simulator, found: Fit) -> Fit:
     there = [found.windows[i] for i in lost]
     windows, best = there, objectives(found.model, [found.residuals[i] for i in lost], there, HUBER)
     seen = [_as_seen(found.model, w) for w in there]
-    for starts in (seen, [w.moved(w.theta, 0.0) for w in seen]):
+    begun = [seen, [w.moved(w.theta, 0.0) for w in seen]]
+    if lost.size <= max(1.0, FEW_LOST * len(found.windows)):
+        begun.append(_from_the_best_speed(simulator, found.model, seen))
+    for starts in begun:
         again = fit(simulator, found.model, [], starts, iterations=8)
         now = objectives(again.model, again.residuals, again.windows, HUBER)
         windows = [new if a < b else old for old, new, a, b in zip(windows, again.windows, now, best, strict=True)]
@@ -571,6 +582,14 @@ def _with_lost_found(simulator: Simulator, found: Fit) -> Fit:
         every[i] = window
     whole = fit(simulator, found.model, found.parameters, every, iterations=6)
     return whole if whole.chi2 < found.chi2 else found
+
+
+def _from_the_best_speed(simulator: Simulator, model: LoopModel, windows: Sequence[Window]) -> list[Window]:
+    """The windows, each from that of the speeds about its own (`ABOUT`) from which the model fits best."""
+    p_alpha = model.declared.p() * model.declared.alpha
+    moved = [[w.moved(w.theta, w.omega + float(share) * p_alpha) for w in windows] for share in ABOUT]
+    left = np.array([objectives(model, residuals(simulator, model, each), each, HUBER) for each in moved])
+    return [moved[k][i] for i, k in enumerate(np.argmin(left, axis=0))]
 
 
 def all_candidates(model: LoopModel, friction: float | None = None) -> tuple[Candidate, ...]:
