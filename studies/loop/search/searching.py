@@ -149,8 +149,12 @@ def _floor_first(
 
 
 def _enough_alone(setup: Setup, path: Path) -> bool:
-    """Whether a floor leaves nothing of swings, and of whole records."""
-    if setup.by_rotation and not met(setup, path.whole, MISSED):
+    """Whether a floor leaves nothing of swings, and of whole records.
+
+    These have to be met, or not to be missed by far where it leaves no more than chance does of the swings: as little
+    is asked of an effect that is quickly tried, and nothing is looked for on top of such a floor.
+    """
+    if setup.by_rotation and not by_chance(setup, path.last) and not met(setup, path.whole, MISSED):
         return False
     return explains(setup, path.last, path.whole) or roughly_begun(setup, path.last, path.whole)
 

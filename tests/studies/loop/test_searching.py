@@ -319,6 +319,13 @@ def test_a_floor_that_explains_by_far_more_than_others_is_gone_on_from(springs, 
     assert [onto for onto, *_ in springs.rounds][:2] == [(), ()]
 
 
+def test_a_floor_that_leaves_no_more_than_chance_ends_the_search_where_whole_records_are_not_missed_by_far(springs):
+    """Springs of 9 MN/m left 1.0055 times the noise of swings, and of whole records 1.313 times theirs."""
+    springs.whole, springs.chance = 1.313, True
+    assert searched().last.names == ("springs",)
+    assert springs.rounds == [((), False, True)]
+
+
 def test_a_floor_that_explains_swings_and_misses_whole_records_is_not_gone_on_from(springs):
     springs.promises, springs.whole = True, 2.0
     springs.trials = {(): [path_of("a", chi2=1000.0)]}
