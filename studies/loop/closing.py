@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from rocking.effects.learned_memory import LearnedMemory
 from studies.campaigns import Campaign
 from studies.campaigns.lost_base import used
 from studies.loop.fits.fitting import Fit
@@ -114,7 +115,8 @@ class Finding:
         model = replace(model, number=len(self.setup.campaign.tests))
         if MEMORY not in model.effects:
             return model
-        use = struck_before(self.setup.records[-1], math.inf).use(model.effects[MEMORY]["worn_exponent"])
+        (memory,) = (part for part in model.parts if isinstance(part, LearnedMemory))
+        use = struck_before(self.setup.records[-1], math.inf).use(memory.worn_exponent)
         return model.changed({f"{MEMORY}.used": use})
 
     @property

@@ -262,6 +262,10 @@ def test_wear_is_drawn_over_the_use_of_the_campaign(exponent, label):
     assert later.number == len(finding.setup.campaign.tests)
     assert later.effects["learned_memory"]["used"] == curve.x[-1]
     assert finding.later(finding.before).effects == finding.before.effects
+    # A form of which only what it fits is given, as after a short pause, keeps count as well.
+    recent = finding.before.changed({"learned_memory.recent": -0.02, "learned_memory.recent_time": 0.2})
+    squares = sum(sum(r.squares) for r in records)
+    assert finding.later(recent).effects["learned_memory"]["used"] == pytest.approx(squares, rel=0.02)
 
 
 def test_a_plate_is_drawn_by_what_it_makes_of_sinusoids():
