@@ -23,8 +23,9 @@ from rocking.form import Form
 SMOOTH = 3e-5
 """Angular speed [rad/s] over which friction changes sign.
 
-What friction would hold creeps, at this speed at the most where half of it pushes: smoothed over 0.001 rad/s, shaken
-records of a block that a guide rubs (0.37 rad/s^2) were missed by 3 to 4.4 times a noise of 3e-4 rad.
+What friction would hold creeps: at no more than this speed where less than 0.7 of it pushes, faster only near all of
+it.  Smoothed over 0.001 rad/s, shaken records of a block that a guide rubs (0.37 rad/s^2) were missed by 3 and 4.4
+times a noise of 3e-4 rad.
 """
 
 

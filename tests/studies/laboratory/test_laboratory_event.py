@@ -85,7 +85,7 @@ def test_impact_times_are_those_of_the_package(name: str, forced: bool) -> None:
 def test_dry_friction_holds_a_shaken_block_as_the_smooth_one_of_the_package_does() -> None:
     """A guide that rubs on one side holds the block again and again; there the package's creeps instead.
 
-    Well below what rotations are read to, 1e-4 rad; smoothed over 0.001 rad/s they were 1.1e-3 rad apart.
+    A tenth of the noise of the records that it missed, 3e-4 rad; smoothed over 0.001 rad/s they were 1.1e-3 rad apart.
     """
     rubs = load("learned_term")(friction=-0.75, side_friction=-0.75)
     system = Method1(BLOCK, restitution=RESTITUTION, g=G)
