@@ -32,9 +32,10 @@ def _share(right: Iterable[bool]) -> str:
 
 def _row(series: str, rows: list[dict[str, str]]) -> list[str]:
     done = [r for r in rows if not r["failed"]]
-    clean = [r for r in done if not r["truth"]]
-    named = [r for r in done if r["truth"] and set(r["truth"].split("+")) <= set(NAMED)]
-    unnamed = [r for r in done if r["truth"] and r not in named]
+    # A run that failed has no right answer.
+    clean = [r for r in rows if not r["truth"]]
+    named = [r for r in rows if r["truth"] and set(r["truth"].split("+")) <= set(NAMED)]
+    unnamed = [r for r in rows if r["truth"] and r not in named]
     # Errors of accelerometers are those of impacts that come a moment too soon or late; no floor was worked out.
     halved = [r for r in (*named, *unnamed) if r["before"] and r["after"] and r["after_over_floor"]]
     over = [float(r["after_over_floor"]) for r in done if r["after_over_floor"]]
