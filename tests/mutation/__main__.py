@@ -130,7 +130,8 @@ def again(out: Path, folder: Path, stuck: float) -> None:
     judge = Judge(folder, _head(), stuck)
     here = {(b.file, b.kind, b.before, b.after): b for b in all_breaks(judge.broken.tree)}
     waiting = [row for row in read_rows(out) if row["outcome"] in ("survived", "open") and not row["explained"]]
-    for row in tqdm([row for row in waiting if row["now"] != "caught"], unit="break"):
+    waiting = sorted((row for row in waiting if row["now"] != "caught"), key=lambda row: bool(row["now"]))
+    for row in tqdm(waiting, unit="break"):  # first those that were never made again
         one = here.get((row["file"], row["kind"], row["before"], row["after"]))
         verdict = Verdict("gone", "the line is no longer there", 0.0) if one is None else judge(one)
         rows = read_rows(out)

@@ -185,6 +185,7 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("excitation/chirp.py", SINES),
     ("excitation/pitch*.py", ("test_pitch", "test_motion_contract")),
     ("excitation/sampled.py", ("test_sampled", "test_motion_contract")),
+    ("excitation/jumps.py", ("test_sampled",)),
     ("excitation/splines.py", ("test_sampled", "test_processing")),
     ("excitation/combined.py", ("test_motion_contract", "test_pitch")),
     ("excitation/table.py", ("test_table",)),

@@ -28,7 +28,7 @@ from rocking.hybrid import ROTATION
 from rocking.solvers.exact import jax_flight, jax_lanes, jax_rounds
 from rocking.solvers.exact.kernel import Sine
 from rocking.solvers.exact.step import Body
-from rocking.solvers.recording import REACHED_END, STALL_TIME
+from rocking.solvers.recording import MAX_STALLED, REACHED_END, STALL_TIME, STALLED, TOO_MANY_EVENTS
 from rocking.solvers.taylor.records import BLOCK
 
 # ------------------------------------------------------------------------------------------------ passing intervals
@@ -361,6 +361,19 @@ def test_a_balance_that_rounding_passes_is_passed() -> None:
     struck = jax_rounds.Struck(np.zeros(5), np.zeros(5), np.zeros(5), np.zeros(5, dtype=int))
     there = jax_rounds.counted(M, on, f, struck, np.full(5, 7.5), 0.23)
     assert there.passage.tolist() == [7.5, -1.0, -1.0, -1.0, -1.0] and there.events.tolist() == [6, 5, 5, 5, 5]
+
+
+# MAX_STALLED events without time going on may be, as may all the events that the caller allows; one more may not.
+@pytest.mark.parametrize("wave", [False, True])
+def test_a_lane_ends_past_its_limits_and_not_at_them(wave: bool) -> None:
+    stalls = [0, MAX_STALLED, MAX_STALLED + 1, 0, 0, 0, 0]
+    events = [0, 0, 0, 40, 41, 0, 0]
+    M = lanes_like(np.full(7, 0.11), v=0.3, stalls=stalls, events=events)
+    F = constants_like(7, wave, limit=1.0, k_last=[9, 9, 9, 9, 9, 3, 2])
+    on = jax_rounds.one_step(F, base_of(), M, 40, wave)
+    assert on.k.tolist() == [3] * 7 and (on.x > 0.11).all()
+    runs = jax_lanes.RUNNING
+    assert on.status.tolist() == [runs, runs, STALLED, runs, TOO_MANY_EVENTS, runs, REACHED_END]
 
 
 # Rounds to the end over a record and a sine: the impacts of the block that is followed by its closed forms.
