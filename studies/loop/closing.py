@@ -41,14 +41,8 @@ from studies.loop.swings.learning import (
     says_much,
     unnamed,
 )
-from studies.loop.swings.tracing import (
-    PAYS,
-    Round,
-    Trial,
-    baseline,
-    bic,
-    search,
-)
+from studies.loop.swings.tracing import baseline, search
+from studies.loop.swings.trials import PAYS, Round, Trial, bic
 from studies.loop.whole.floors_that_give import from_whole_records
 from studies.loop.whole.remaining import (
     CLOSELY,

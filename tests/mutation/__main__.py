@@ -125,9 +125,9 @@ def first_run(out: Path, count: int, seed: int, folder: Path, stuck: float, quic
     _sum_up(read_rows(out))
 
 
-def again(out: Path, folder: Path, stuck: float) -> None:
+def again(out: Path, folder: Path, stuck: float, quick: bool) -> None:
     """Make the breaks that survived and are not explained in today's tree, and see whether its tests notice."""
-    judge = Judge(folder, _head(), stuck)
+    judge = Judge(folder, _head(), stuck, quick)
     here = {(b.file, b.kind, b.before, b.after): b for b in all_breaks(judge.broken.tree)}
     waiting = [row for row in read_rows(out) if row["outcome"] in ("survived", "open") and not row["explained"]]
     waiting = sorted((row for row in waiting if row["now"] != "caught"), key=lambda row: bool(row["now"]))
@@ -179,7 +179,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory(prefix="mutation_") as temporary:
         folder = options.folder or Path(temporary)
         if options.again:
-            again(options.out, folder, options.stuck)
+            again(options.out, folder, options.stuck, options.quick)
         else:
             first_run(options.out, options.breaks, options.seed, folder, options.stuck, options.quick, options.only)
 

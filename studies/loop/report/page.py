@@ -21,7 +21,7 @@ from studies.loop.finding_file import REFUSED
 from studies.loop.models.model import MOUNTING
 from studies.loop.models.names import OWN, page, parameter_units, readable
 from studies.loop.report import figures, tables, text
-from studies.loop.swings.tracing import LEAST_GAIN, PAYS, bic
+from studies.loop.swings.trials import LEAST_GAIN, PAYS, bic
 from studies.loop.whole.rivals import TWIN
 from studies.running.files import write_whole
 

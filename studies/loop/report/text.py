@@ -8,7 +8,7 @@ from typing import Any
 
 from studies.loop.models.names import page, readable
 from studies.loop.swings.learning import LEARNED
-from studies.loop.swings.tracing import PAYS
+from studies.loop.swings.trials import PAYS
 from studies.loop.whole.rivals import TWIN
 
 Content = dict[str, Any]

@@ -18,7 +18,7 @@ from studies.loop.observed.windows import Window
 from studies.loop.records.preparing import Setup
 from studies.loop.search.rounds import Tell
 from studies.loop.swings.learning import inner, memories, unnamed
-from studies.loop.swings.tracing import Trial, bic
+from studies.loop.swings.trials import Trial, bic
 from studies.loop.whole.settling import predictable
 from studies.loop.whole.whole_records import confirmed, ranked
 

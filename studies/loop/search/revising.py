@@ -19,7 +19,8 @@ from studies.loop.models.candidates import Candidate
 from studies.loop.models.model import DRIFT, LoopModel
 from studies.loop.models.names import readable
 from studies.loop.records.preparing import Setup
-from studies.loop.swings.tracing import FURTHER_COSTLY, Round, Trial, bic, pays, search
+from studies.loop.swings.tracing import search
+from studies.loop.swings.trials import FURTHER_COSTLY, Round, Trial, bic, pays
 from studies.loop.whole.rivals import TWIN
 from studies.loop.whole.whole_fits import whole_fit, whole_fit_from_many
 from studies.loop.whole.whole_records import explains_more

@@ -13,7 +13,8 @@ import numpy as np
 from studies.loop.fits.fitting import Fit
 from studies.loop.models.candidates import Candidate
 from studies.loop.records.preparing import Setup
-from studies.loop.swings.tracing import FAR_LESS, LEAST_GAIN, PAYS, Round, Trial, pays, search, search_costly
+from studies.loop.swings.tracing import FAR_LESS, search, search_costly
+from studies.loop.swings.trials import LEAST_GAIN, PAYS, Round, Trial, pays
 from studies.loop.whole.floors_that_give import in_agreement
 from studies.loop.whole.remaining import MISSED_BY_FAR, by_chance, explains, over_noise, slips, structure
 from studies.loop.whole.rivals import Rival

@@ -12,7 +12,7 @@ Status   a planted pair of which one effect came second to a stand-in for both i
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from studies.loop.fits.fitting import Fit
@@ -22,25 +22,18 @@ from studies.loop.records.preparing import Setup
 from studies.loop.search.revising import set_aside
 from studies.loop.search.rounds import Path, Tell, followed, nothing_of_swings, same, searched
 from studies.loop.swings.learning import by_itself, inner, profiles, terms
-from studies.loop.swings.tracing import (
-    LEADS,
-    PAYS,
-    Round,
-    Trial,
-    all_candidates,
-    bic,
-    floor_promises,
-    pays,
-    search,
-)
+from studies.loop.swings.tracing import LEADS, all_candidates, floor_promises, search
+from studies.loop.swings.trials import PAYS, Round, Trial, bic, pays
 from studies.loop.whole.remaining import (
     CLOSELY,
+    MISSED_BY_FAR,
     begins_roughly,
     by_chance,
     declared_noise,
     explains,
     met,
     over_noise,
+    rms_but_for_one,
     roughly_begun,
     slips,
     unexplained,
@@ -172,10 +165,7 @@ def _one_term_is_enough(setup: Setup, plain: Trial, tell: Tell) -> bool:
     Then something acts that has no name, and no floor that gives: such a one is in no single coefficient's reach.  A
     little more than chance may be left of the swings where whole records are met closely.
     """
-    if not setup.by_rotation or not declared_noise(setup):
-        return False
-    tell("something is left: asking coefficients without a name")
-    best = search(setup.simulator, plain, terms(plain.swing.model.declared), tell, leading=True).best
+    best = _best_without_a_name(setup, plain, lambda: terms(plain.swing.model.declared), tell)
     return best is not None and _enough(setup, best) is not None
 
 
@@ -206,12 +196,15 @@ def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial 
 def _enough(setup: Setup, term: Trial) -> Fit | None:
     """The fit of a coefficient on whole records, if it explains them and the swings.
 
-    Of one by which it is told but roughly how a swing begins, whole records alone have a say.
+    Of one by which it is told but roughly how a swing begins, whole records alone have a say.  Where no more than chance
+    is left of the swings, a single record may be lost to an impact that hung on the noise of the base.
     """
     if not begins_roughly(term) and over_noise(setup, term) > unexplained(setup):
         return None
     whole = whole_fit(setup, term)
-    return whole if met(setup, whole, MISSED if by_chance(setup, term) else CLOSELY) else None
+    if not by_chance(setup, term):
+        return whole if met(setup, whole, CLOSELY) else None
+    return whole if met(setup, whole, MISSED) or rms_but_for_one(whole, MISSED_BY_FAR) < MISSED else None
 
 
 def _nothing_is_left_of_swings(setup: Setup, opening: Round) -> bool:
@@ -221,12 +214,19 @@ def _nothing_is_left_of_swings(setup: Setup, opening: Round) -> bool:
 
 def _coefficient(setup: Setup, plain: Trial, tell: Tell) -> tuple[Trial, Fit] | None:
     """The coefficient without a name that explains most of the swings, if it explains them and whole records."""
+    term = _best_without_a_name(setup, plain, lambda: by_itself(setup.simulator, plain), tell)
+    whole = _enough(setup, term) if term is not None and pays(plain.swing, term.swing) else None
+    return None if term is None or whole is None else (term, whole)
+
+
+def _best_without_a_name(
+    setup: Setup, plain: Trial, pool: Callable[[], Sequence[Candidate]], tell: Tell
+) -> Trial | None:  # fmt: skip
+    """Of coefficients the one that explains most of the swings; none where whole records could not have their say."""
     if not setup.by_rotation or not declared_noise(setup):
         return None
     tell("something is left: asking coefficients without a name")
-    term = search(setup.simulator, plain, by_itself(setup.simulator, plain), tell, leading=True).best
-    whole = _enough(setup, term) if term is not None and pays(plain.swing, term.swing) else None
-    return None if term is None or whole is None else (term, whole)
+    return search(setup.simulator, plain, pool(), tell, leading=True).best
 
 
 def _without_names(

@@ -31,7 +31,8 @@ from studies.loop.models.model import DRIFT, FADING
 from studies.loop.models.parameters import Parameter
 from studies.loop.observed.windows import SIDE, Window
 from studies.loop.runs.simulation import Simulator
-from studies.loop.swings.tracing import PAYS, Trial, bic, pays, search
+from studies.loop.swings.tracing import search
+from studies.loop.swings.trials import PAYS, Trial, bic, pays
 
 LEAST_GAIN = 0.03
 """Share by which the rms of the swings has to fall for one more coefficient."""

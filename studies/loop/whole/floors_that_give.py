@@ -17,7 +17,7 @@ from studies.loop.models.model import LoopModel
 from studies.loop.models.parameters import Parameter
 from studies.loop.observed.windows import Window
 from studies.loop.records.preparing import Setup
-from studies.loop.swings.tracing import PAYS, Trial
+from studies.loop.swings.trials import PAYS, Trial
 from studies.loop.whole.whole_fits import HORIZONS, all_at_once, beginnings, begun, borne, whole_fit
 
 APART = (0.4, 2.5)

@@ -17,7 +17,7 @@ from studies.loop.observed.spread import furthest_moved
 from studies.loop.observed.windows import PEAK_OVER_NOISE, SIDE, Window
 from studies.loop.records.preparing import Setup
 from studies.loop.swings.learning import WITHIN
-from studies.loop.swings.tracing import Trial
+from studies.loop.swings.trials import Trial
 
 MISSED_BY_FAR = 3.0
 """Rms of whole records over their noise that cannot be called explained."""
@@ -147,9 +147,9 @@ def met(setup: Setup, whole: Fit, within: float) -> bool:
     return bool(np.all(whole.by_window[far] <= moved))
 
 
-def rms_but_for_one(whole: Fit) -> float:
+def rms_but_for_one(whole: Fit, lost_beyond: float = ROBUST) -> float:
     """Rms of whole records over their noise, but for a single one that is lost: it may hang on the base's noise."""
-    lost = whole.by_window > ROBUST
+    lost = whole.by_window > lost_beyond
     if np.count_nonzero(lost) != 1 or lost.size < MISSED_RECORDS + 1:
         return whole.rms
     return math.sqrt(float(np.mean(whole.by_window[~lost] ** 2)))

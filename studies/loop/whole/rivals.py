@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from studies.loop.fits.fitting import Fit, fit
 from studies.loop.records.preparing import Setup
 from studies.loop.records.scoring import errors
-from studies.loop.swings.tracing import FURTHER_COSTLY, Round, Trial, bic
+from studies.loop.swings.trials import FURTHER_COSTLY, Round, Trial, bic
 from studies.loop.whole.whole_fits import whole_fit, whole_fit_from_many
 
 TWIN = 12.0

@@ -19,7 +19,7 @@ from studies.loop.models.parameters import Parameter
 from studies.loop.observed.windows import Window
 from studies.loop.records.preparing import Setup
 from studies.loop.swings.learning import LEARNED
-from studies.loop.swings.tracing import FURTHER_COSTLY, PAYS, Trial
+from studies.loop.swings.trials import FURTHER_COSTLY, PAYS, Trial
 from studies.loop.whole.floors_that_give import one_minimum
 from studies.loop.whole.whole_fits import FEWEST_SAMPLES, drawn_out, neighbours, still_fits
 

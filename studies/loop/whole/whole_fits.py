@@ -22,7 +22,7 @@ from studies.loop.models.parameters import Parameter
 from studies.loop.observed.spread import variances, weighed
 from studies.loop.observed.windows import Window
 from studies.loop.records.preparing import Setup
-from studies.loop.swings.tracing import Trial
+from studies.loop.swings.trials import Trial
 from studies.loop.whole.remaining import roughly_begun
 
 Array = NDArray[np.float64]

@@ -22,7 +22,7 @@ from studies.loop.models.model import DRIFT, FADING
 from studies.loop.models.parameters import Parameter
 from studies.loop.records.preparing import Setup
 from studies.loop.records.scoring import errors
-from studies.loop.swings.tracing import PAYS, Round, Trial, bic
+from studies.loop.swings.trials import PAYS, Round, Trial, bic
 from studies.loop.whole.rivals import TWIN, Rival
 from studies.loop.whole.settling import counted_together, predictable
 from studies.loop.whole.whole_fits import gain, neighbours, reweighed, weighed_under, where_told, whole_fit

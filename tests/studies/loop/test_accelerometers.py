@@ -26,7 +26,8 @@ from studies.loop.observed.observing import jobs_of, observe
 from studies.loop.observed.windows import SIDE, whole_windows
 from studies.loop.records.preparing import Setup, prepare
 from studies.loop.records.reconstruction import put_right
-from studies.loop.swings.tracing import E, baseline
+from studies.loop.swings.tracing import baseline
+from studies.loop.swings.trials import E
 
 BLOCK = Block(0.2, 0.8, 0.4)
 DECLARED = DeclaredBlock(0.2, 0.8, 0.4, BLOCK.mass)

@@ -11,7 +11,7 @@ from studies.campaigns import DeclaredBlock
 from studies.loop import closing
 from studies.loop.swings import learning
 from studies.loop.swings.learning import unnamed
-from studies.loop.swings.tracing import Round
+from studies.loop.swings.trials import Round
 from studies.loop.whole import remaining
 from studies.loop.whole.rivals import Rival, other_forms, twins
 

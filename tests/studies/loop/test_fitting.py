@@ -22,7 +22,7 @@ from studies.loop.models.parameters import Parameter
 from studies.loop.observed.spread import redrawn
 from studies.loop.observed.windows import record_of, swing_windows, whole_windows
 from studies.loop.runs.simulation import Job, Simulator
-from studies.loop.swings.tracing import E
+from studies.loop.swings.trials import E
 
 BLOCK = Block(0.2, 0.8, 0.4)
 DECLARED = DeclaredBlock(0.2, 0.8, 0.4, BLOCK.mass)

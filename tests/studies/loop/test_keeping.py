@@ -11,7 +11,7 @@ from studies.loop.observed.windows import record_of, swing_windows
 from studies.loop.outcomes.runs import falls_of
 from studies.loop.runs.keeping import Keeper, digest_of
 from studies.loop.runs.simulation import Simulator
-from studies.loop.swings.tracing import E
+from studies.loop.swings.trials import E
 
 
 @pytest.fixture(scope="module")

@@ -27,7 +27,8 @@ from studies.loop.observed.windows import Window, in_order, record_of, swing_win
 from studies.loop.runs.simulation import Job, Simulator
 from studies.loop.swings import learning
 from studies.loop.swings.learning import inner, learn, memories, open_to, profiles, readings
-from studies.loop.swings.tracing import Trial, baseline, search
+from studies.loop.swings.tracing import baseline, search
+from studies.loop.swings.trials import Trial
 
 BREADTH, HEIGHT, MASS, E, NOISE, STEP = 0.2, 0.6, 30.0, 0.93, 1e-4, 0.004
 DECLARED = DeclaredBlock(BREADTH, HEIGHT, 0.25, MASS)

@@ -15,7 +15,8 @@ from studies.loop.records.preparing import as_declared, prepare
 from studies.loop.runs.simulation import NEVER
 from studies.loop.search import learning_of_records
 from studies.loop.search.learning_of_records import forms, unseen
-from studies.loop.swings.tracing import Round, baseline
+from studies.loop.swings.tracing import baseline
+from studies.loop.swings.trials import Round
 from studies.loop.whole.remaining import over_noise
 from studies.loop.whole.settling import settle
 from studies.loop.whole.whole_fits import whole_fit

@@ -22,20 +22,11 @@ from studies.loop.models.model import LoopModel
 from studies.loop.observed.windows import PEAK_OVER_NOISE, Record, Window, record_of, swing_windows
 from studies.loop.records.preparing import as_declared, prepare
 from studies.loop.runs.simulation import Simulator
-from studies.loop.swings import tracing
-from studies.loop.swings.tracing import (
-    NEXT_TO_NOTHING,
-    E,
-    Trial,
-    _as_seen,
-    _best_of_parts,
-    _chosen,
-    _from_the_best_speed,
-    _of_some,
-    _on_some,
-    _with_lost_found,
-    baseline,
-)
+from studies.loop.swings import lost_windows
+from studies.loop.swings.lost_windows import _from_the_best_speed, as_seen, with_lost_found
+from studies.loop.swings.tracing import NEXT_TO_NOTHING, baseline
+from studies.loop.swings.trials import E, Trial
+from studies.loop.swings.trying import _best_of_parts, chosen_for, of_some, on_some
 from studies.loop.whole.remaining import over_noise
 
 BLOCK = Block(0.2, 0.8, 0.4)
@@ -70,7 +61,7 @@ def off_zero() -> tuple[Simulator, list[Record], Fit]:
     records, windows = cut_up(tests)
     simulator = Simulator(tests)
     model = LoopModel(DECLARED, RESTITUTION, {"rotation_offset": {"offset": OFFSET}}, 9.81)
-    return simulator, records, fit(simulator, model, [E], [_as_seen(model, w) for w in windows])
+    return simulator, records, fit(simulator, model, [E], [as_seen(model, w) for w in windows])
 
 
 def test_a_lost_window_begins_again_from_the_record_as_the_sensor_has_it(off_zero) -> None:
@@ -80,10 +71,10 @@ def test_a_lost_window_begins_again_from_the_record_as_the_sensor_has_it(off_zer
     lost[2] = lost[2].moved(-lost[2].theta, 0.9)
     stuck = fit(simulator, best.model, [E], lost, iterations=0)
     assert stuck.by_window[2] > 50.0
-    found = _with_lost_found(simulator, stuck)
+    found = with_lost_found(simulator, stuck)
     assert found.chi2 == pytest.approx(best.chi2, abs=1.0)
     assert found.windows[2].theta == pytest.approx(best.windows[2].theta, abs=NOISE)
-    assert _with_lost_found(simulator, best) is best
+    assert with_lost_found(simulator, best) is best
 
 
 def test_a_lost_window_begins_again_from_a_peak_that_stands_still_too(off_zero, monkeypatch) -> None:
@@ -110,8 +101,8 @@ def test_a_lost_window_begins_again_from_a_peak_that_stands_still_too(off_zero, 
         left = best.residuals[k] if window.omega == 0.0 else 29.0 * np.ones(window.data.size)
         return replace(best, windows=(window.moved(window.theta, window.omega + 1e-3),), residuals=(left,))
 
-    monkeypatch.setattr(tracing, "fit", from_start)
-    again = _with_lost_found(simulator, only(swift, 29.0 * np.ones(swift.data.size)))
+    monkeypatch.setattr(lost_windows, "fit", from_start)
+    again = with_lost_found(simulator, only(swift, 29.0 * np.ones(swift.data.size)))
     # The last is the slowest of the speeds about that of the peak.
     assert found == pytest.approx([0.18, 0.0, 0.18 - 0.08 * DECLARED.p() * DECLARED.alpha])
     assert again.windows[k].omega == 1e-3 and again.residuals[k] is best.residuals[k]
@@ -130,11 +121,11 @@ def test_a_lost_window_begins_again_from_the_best_speed_about_that_of_its_peak(o
         assert window.theta == right.theta
         assert window.omega == pytest.approx(right.omega, abs=1e-9)
     asked: list[int] = []
-    own = tracing._from_the_best_speed
-    monkeypatch.setattr(tracing, "_from_the_best_speed", lambda *given: asked.append(len(given[2])) or own(*given))
+    own = lost_windows._from_the_best_speed
+    monkeypatch.setattr(lost_windows, "_from_the_best_speed", lambda *given: asked.append(len(given[2])) or own(*given))
     for count in (1, len(best.windows)):
         lost = [w.moved(-w.theta, 0.9) if k < count else w for k, w in enumerate(best.windows)]
-        _with_lost_found(simulator, fit(simulator, best.model, [E], lost, iterations=0))
+        with_lost_found(simulator, fit(simulator, best.model, [E], lost, iterations=0))
     assert asked == [1]
 
 
@@ -143,11 +134,11 @@ def test_a_state_is_seen_through_the_gain_and_the_zero_of_the_sensor(off_zero) -
     sensor = {"rotation_gain": {"gain": 1.02}, "rotation_offset": {"offset": 1e-3}}
     window = off_zero[2].windows[0]
     assert window.seen is not None
-    state = _as_seen(LoopModel(DECLARED, RESTITUTION, sensor, 9.81), window)
+    state = as_seen(LoopModel(DECLARED, RESTITUTION, sensor, 9.81), window)
     assert state.theta == pytest.approx((window.seen.theta - 1e-3) / 1.02, rel=1e-12)
     assert state.omega == pytest.approx(window.seen.omega / 1.02, rel=1e-12)
     unseen = replace(window, seen=None)
-    assert _as_seen(off_zero[2].model, unseen) is unseen
+    assert as_seen(off_zero[2].model, unseen) is unseen
 
 
 def test_a_hop_at_rest_is_no_structure_and_a_swing_is(off_zero) -> None:
@@ -177,7 +168,7 @@ def test_the_stiffness_of_a_floor_is_found_among_its_minima() -> None:
     tests = free_tests((0.15, -0.19), 0.0, corner_stiffness=stiffness, damping_ratio=0.2, tangential_ratio=30.0)
     simulator, (_, windows) = Simulator(tests), cut_up(tests)
     plain = baseline(simulator, LoopModel(DECLARED, RESTITUTION, {}, 9.81), windows)
-    first = _on_some(simulator, plain, floor)
+    first = on_some(simulator, plain, floor)
     assert not isinstance(first, str), first
     ended = fit(simulator, first.model, first.parameters, plain.swing.windows, iterations=20)
     name = "compliant_base.corner_stiffness"
@@ -215,11 +206,11 @@ def test_a_soft_floor_is_found_though_rigid_ones_miss_less_of_swings_as_they_are
     plain = baseline(setup.simulator, setup.start, setup.swings)
     pool = candidates(campaign.block, campaign.conditions.friction)
     (floor,) = [c for c in pool if c.name == "compliant_base"]
-    first = _on_some(setup.simulator, plain, floor)
+    first = on_some(setup.simulator, plain, floor)
     assert not isinstance(first, str), first
     truth = read_truth(tmp_path / "truth").parameters["compliant_base.corner_stiffness"]
     # Starts lie a factor of 1.46 apart: it is this minimum, and not one beside it.
     assert first.model.get("compliant_base.corner_stiffness") == pytest.approx(truth, rel=0.05)
-    chosen = _chosen(plain, floor)
+    chosen = chosen_for(plain, floor)
     noise = sum(plain.swing.residuals[i].size - 2 for i in chosen)
-    assert _of_some(plain.swing, chosen) - first.gained < NEXT_TO_NOTHING * noise
+    assert of_some(plain.swing, chosen) - first.gained < NEXT_TO_NOTHING * noise

@@ -27,7 +27,8 @@ from studies.loop.report import page
 from studies.loop.search import revising
 from studies.loop.search.revising import Revision, revised, taken_out, without_needless
 from studies.loop.swings.learning import profiles, terms
-from studies.loop.swings.tracing import Round, Trial, all_candidates, baseline, bic, search
+from studies.loop.swings.tracing import all_candidates, baseline, search
+from studies.loop.swings.trials import Round, Trial, bic
 from studies.loop.whole import rivals as rivals_module
 from studies.loop.whole.rivals import Rival, near_all, twins
 from studies.loop.whole.whole_fits import whole_fit

@@ -14,7 +14,8 @@ from studies.loop.models.candidates import candidates
 from studies.loop.models.model import LoopModel
 from studies.loop.search import rounds
 from studies.loop.swings import tracing
-from studies.loop.swings.tracing import Round, Trial, search
+from studies.loop.swings.tracing import search
+from studies.loop.swings.trials import Round, Trial
 from studies.loop.whole import remaining, whole_fits, whole_records
 from studies.loop.whole.whole_fits import gain, where_told
 from studies.loop.whole.whole_records import explains_more
@@ -312,9 +313,9 @@ def test_a_form_is_left_out_where_the_one_before_it_promises_nothing(monkeypatch
         asked.append(candidate.name)
         return SimpleNamespace(gained=gained)
 
-    monkeypatch.setattr(tracing, "_on_some", first)
-    monkeypatch.setattr(tracing, "_on_all", lambda *_: None)
-    monkeypatch.setattr(tracing, "_ended", lambda *_: [])
+    monkeypatch.setattr(tracing, "on_some", first)
+    monkeypatch.setattr(tracing, "on_all", lambda *_: None)
+    monkeypatch.setattr(tracing, "to_the_end", lambda *_: [])
     names = {"plain": "", "plain[other]": "plain"}
     pool = [SimpleNamespace(name=name, after=after, costly=False) for name, after in names.items()][not there :]
     found = Round(SimpleNamespace(costly=False))
@@ -462,15 +463,15 @@ def test_a_floor_promises_where_it_leaves_little_and_others_leave_more_or_far_mo
     hard = SimpleNamespace(name="hard", beyond=("k", {"floor": 1.0}))
     floor, bed = (SimpleNamespace(name=name, beyond=None, after="") for name in ("floor", "bed"))
     pool = (hard, floor, bed)
-    monkeypatch.setattr(tracing, "_chosen", lambda onto, candidate: [0, 1, 2, 3])
-    monkeypatch.setattr(tracing, "_of_some", lambda swing, chosen: swing.left)
+    monkeypatch.setattr(tracing, "chosen_for", lambda onto, candidate: [0, 1, 2, 3])
+    monkeypatch.setattr(tracing, "of_some", lambda swing, chosen: swing.left)
     asked, gains = [], {"floor": 5000.0 - left, "bed": 0.0}
 
     def first(_, __, candidate):
         asked.append(candidate)
         return SimpleNamespace(gained=gains[candidate.name])
 
-    monkeypatch.setattr(tracing, "_on_some", first)
+    monkeypatch.setattr(tracing, "on_some", first)
     others = [SimpleNamespace(swing=SimpleNamespace(left=value)) for value in (other, 4000.0)]
     assert tracing.floor_promises(None, Round(onto, others, put_off=pool)) is promises
     assert asked == ([floor] if promises else [floor, bed])
@@ -480,7 +481,7 @@ def test_a_floor_promises_where_it_leaves_little_and_others_leave_more_or_far_mo
     gains["floor"], gains["bed"] = 0.0, gains["floor"]
     assert tracing.floor_promises(None, Round(onto, others, put_off=pool)) is promises
     assert not tracing.floor_promises(None, Round(onto, others, put_off=pool[:1]))
-    monkeypatch.setattr(tracing, "_on_some", lambda *_: "no start led anywhere")
+    monkeypatch.setattr(tracing, "on_some", lambda *_: "no start led anywhere")
     assert not tracing.floor_promises(None, Round(onto, others, put_off=pool))
 
 
@@ -494,9 +495,9 @@ def test_a_bed_that_gives_downward_is_asked_where_its_corners_promise_something(
         seen.append(candidate.name)
         return "no start led anywhere" if gained is None else SimpleNamespace(gained=gained)
 
-    monkeypatch.setattr(tracing, "_on_some", first)
-    monkeypatch.setattr(tracing, "_chosen", lambda onto, candidate: [0])
-    monkeypatch.setattr(tracing, "_of_some", lambda swing, chosen: swing.left)
+    monkeypatch.setattr(tracing, "on_some", first)
+    monkeypatch.setattr(tracing, "chosen_for", lambda onto, candidate: [0])
+    monkeypatch.setattr(tracing, "of_some", lambda swing, chosen: swing.left)
     onto = SimpleNamespace(swing=SimpleNamespace(residuals=[np.zeros(252)], left=5000.0))
     assert not tracing.floor_promises(None, Round(onto, [], put_off=(corners, bed)))
     assert seen == asked
@@ -506,10 +507,10 @@ def test_what_a_floor_was_asked_for_its_promise_is_not_asked_again(monkeypatch):
     floor, other = (SimpleNamespace(name=name, after="", costly=True, slips=False) for name in ("floor", "other"))
     asked, went_on = [], []
     known, new = SimpleNamespace(gained=900.0), SimpleNamespace(gained=800.0)
-    monkeypatch.setattr(tracing, "_on_some", lambda s, onto, c: asked.append(c.name) or new)
-    monkeypatch.setattr(tracing, "_on_all", lambda s, onto, c, first: went_on.append((c.name, first)))
-    monkeypatch.setattr(tracing, "_ended", lambda *_: [])
-    monkeypatch.setattr(tracing, "_of_some", lambda *_: 1000.0)
+    monkeypatch.setattr(tracing, "on_some", lambda s, onto, c: asked.append(c.name) or new)
+    monkeypatch.setattr(tracing, "on_all", lambda s, onto, c, first: went_on.append((c.name, first)))
+    monkeypatch.setattr(tracing, "to_the_end", lambda *_: [])
+    monkeypatch.setattr(tracing, "of_some", lambda *_: 1000.0)
     onto = SimpleNamespace(costly=False, swing=SimpleNamespace(windows=range(40)))
     tracing._fitted(None, [floor, other], Round(onto, begun={"floor": known}), lambda text: None)
     assert asked == ["other"] and went_on == [("floor", known), ("other", new)]
@@ -519,10 +520,10 @@ def test_what_a_floor_was_asked_for_its_promise_is_not_asked_again(monkeypatch):
 def test_what_runs_long_goes_no_further_where_others_explain_far_more_of_some_swings(monkeypatch, costs, kept):
     gains, went_on = {"tilt": 50.0, "floor": 400.0, "hard": 39.0}, []
     pool = [SimpleNamespace(name=n, after="", costly=costs and n != "tilt", slips=False) for n in gains]
-    monkeypatch.setattr(tracing, "_on_some", lambda s, onto, c: SimpleNamespace(gained=gains[c.name]))
-    monkeypatch.setattr(tracing, "_on_all", lambda s, onto, c, first: went_on.append(c.name))
-    monkeypatch.setattr(tracing, "_ended", lambda *_: [])
-    monkeypatch.setattr(tracing, "_of_some", lambda *_: 1000.0)
+    monkeypatch.setattr(tracing, "on_some", lambda s, onto, c: SimpleNamespace(gained=gains[c.name]))
+    monkeypatch.setattr(tracing, "on_all", lambda s, onto, c, first: went_on.append(c.name))
+    monkeypatch.setattr(tracing, "to_the_end", lambda *_: [])
+    monkeypatch.setattr(tracing, "of_some", lambda *_: 1000.0)
     swing = SimpleNamespace(windows=range(40))
     found = Round(SimpleNamespace(costly=False, swing=swing))
     tracing._fitted(None, pool, found, lambda text: None)
@@ -531,7 +532,7 @@ def test_what_runs_long_goes_no_further_where_others_explain_far_more_of_some_sw
     # What cheap ones explained counts as well: here 900 of 1000.
     known = SimpleNamespace(swing=SimpleNamespace(chi2=500.0))
     found = Round(SimpleNamespace(costly=False, swing=swing), [known])
-    monkeypatch.setattr(tracing, "_of_some", lambda fitted, chosen: 1000.0 if fitted is swing else 100.0)
+    monkeypatch.setattr(tracing, "of_some", lambda fitted, chosen: 1000.0 if fitted is swing else 100.0)
     monkeypatch.setitem(gains, "floor", 89.0)
     tracing._fitted(None, pool[1:], found, lambda text: None)
     assert set(found.skipped) == ({"floor", "hard"} if costs else set())
@@ -549,9 +550,9 @@ def test_what_runs_long_goes_no_further_where_others_explain_far_more_of_some_sw
 def test_where_the_best_alone_is_asked_for_what_is_far_behind_on_some_windows_goes_no_further(monkeypatch, gains, kept):
     went_on = []
     pool = [SimpleNamespace(name=n, after="", costly=False, slips=False) for n in gains]
-    monkeypatch.setattr(tracing, "_on_some", lambda s, onto, c: SimpleNamespace(gained=gains[c.name]))
-    monkeypatch.setattr(tracing, "_on_all", lambda s, onto, c, first: went_on.append(c.name))
-    monkeypatch.setattr(tracing, "_ended", lambda *_: [])
+    monkeypatch.setattr(tracing, "on_some", lambda s, onto, c: SimpleNamespace(gained=gains[c.name]))
+    monkeypatch.setattr(tracing, "on_all", lambda s, onto, c, first: went_on.append(c.name))
+    monkeypatch.setattr(tracing, "to_the_end", lambda *_: [])
     found = Round(SimpleNamespace(costly=False))
     tracing._fitted(None, pool, found, lambda text: None, leading=True)
     assert went_on == kept
@@ -572,7 +573,7 @@ def test_some_windows_are_enough_for_scores_where_the_best_alone_is_asked_for(mo
 
     monkeypatch.setattr(tracing, "gains", gains)
     monkeypatch.setattr(tracing, "_fitted", lambda *_: None)
-    monkeypatch.setattr(tracing, "_nothing", lambda onto, candidate: {})
+    monkeypatch.setattr(tracing, "nothing_of", lambda onto, candidate: {})
     model = SimpleNamespace(changed=lambda values: None)
     windows, left = tuple(range(301)), tuple(-k for k in range(301))
     swing = Fit(model, (), windows, 1.0, 1.0, 301, True, left)

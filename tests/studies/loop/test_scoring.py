@@ -21,7 +21,7 @@ from studies.loop.models.model import LoopModel
 from studies.loop.models.parameters import Parameter
 from studies.loop.records.preparing import Setup, prepare
 from studies.loop.records.scoring import errors, leaning
-from studies.loop.swings.tracing import E
+from studies.loop.swings.trials import E
 
 BREADTH, HEIGHT, MASS, RESTITUTION, NOISE, STEP = 0.2, 0.6, 30.0, 0.93, 1e-4, 0.004
 DECLARED = DeclaredBlock(BREADTH, HEIGHT, 0.25, MASS)

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from studies.loop.search import rounds, searching
-from studies.loop.swings.tracing import Round
+from studies.loop.swings.trials import Round
 from studies.loop.whole import remaining
 
 

@@ -22,8 +22,9 @@ from studies.loop.models.parameters import Parameter
 from studies.loop.observed.observing import jobs_of
 from studies.loop.observed.windows import record_of, swing_windows
 from studies.loop.runs.simulation import Peak, Simulator, _Leg, _true_peaks
-from studies.loop.swings import tracing
-from studies.loop.swings.tracing import baseline, pays, search
+from studies.loop.swings import trying
+from studies.loop.swings.tracing import baseline, search
+from studies.loop.swings.trials import pays
 
 BLOCK = Block(0.15, 0.5, 0.25)
 DECLARED = DeclaredBlock(0.15, 0.5, 0.25, BLOCK.mass)
@@ -182,8 +183,8 @@ def test_a_start_beside_sliding_has_the_restitution_that_was_calibrated(monkeypa
         tried.append(model)
         raise ValueError("enough")
 
-    monkeypatch.setattr(tracing, "fit", noted)
-    assert tracing._on_some(None, onto, rounded) == "enough"  # type: ignore[arg-type]
+    monkeypatch.setattr(trying, "fit", noted)
+    assert trying.on_some(None, onto, rounded) == "enough"  # type: ignore[arg-type]
     assert any(m.get("rounded_edges.radius") > 0.0 for m in tried)
     for m in tried:
         assert m.system.name == "method2"

@@ -22,7 +22,7 @@ from studies.loop.models.model import LoopModel
 from studies.loop.observed.observing import jobs_of
 from studies.loop.observed.windows import record_of, swing_windows, whole_windows
 from studies.loop.runs.simulation import Simulator, _not_forgotten
-from studies.loop.swings.tracing import E
+from studies.loop.swings.trials import E
 from studies.loop.whole import whole_fits
 
 BLOCK = Block(0.4, 1.2, 0.6)

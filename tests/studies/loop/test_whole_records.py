@@ -19,7 +19,8 @@ from studies.loop.models.candidates import candidates
 from studies.loop.models.model import LoopModel
 from studies.loop.records.preparing import as_declared, prepare
 from studies.loop.search import searching
-from studies.loop.swings.tracing import Round, Trial, all_candidates, baseline, search
+from studies.loop.swings.tracing import all_candidates, baseline, search
+from studies.loop.swings.trials import Round, Trial
 from studies.loop.whole import whole_records
 from studies.loop.whole.rivals import Rival
 from studies.loop.whole.settling import intervals, predictable, settle

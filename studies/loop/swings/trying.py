@@ -1,0 +1,157 @@
+"""One candidate on top of a trial: from all of its starts on some windows, then on all of them, then to the end.
+
+Source   none, own convention
+Status   what it finds is measured with `studies.loop.swings.tracing`
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from studies.loop.fits.fitting import Fit, fit
+from studies.loop.fits.linearising import HUBER, objectives
+from studies.loop.models.candidates import Candidate
+from studies.loop.models.model import LoopModel
+from studies.loop.observed.windows import Window
+from studies.loop.runs.simulation import Simulator
+from studies.loop.swings.lost_windows import afresh, with_lost_found
+from studies.loop.swings.trials import PAYS, First, Trial
+
+SOME = 50
+"""Windows on which starts are compared."""
+
+SOME_COSTLY = 16
+"""The same where a run takes long."""
+
+SCOUTED = 2
+"""Starts of a candidate with scouts from which all of its parameters are fitted."""
+
+NOTHING = 0.05
+"""A gain on some of the windows below this share of `PAYS` promises nothing."""
+
+HOPEFUL, HOPEFUL_TO_LEAD = 0.3, 0.1
+"""A candidate is fitted to the end if it leaves no more than this share of the best one's gain; the second if the best
+alone is asked for."""
+
+_Start = tuple[LoopModel, Sequence[Window], float]
+"""A model, the windows from where it fits them better as it is, and what it leaves of them."""
+
+
+def on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> First | str:
+    """The best of the fits from all starts after a few steps, or why there is none."""
+    chosen = chosen_for(onto, candidate)
+    some = [onto.swing.windows[i] for i in chosen]
+    parameters = (*onto.calibrated_with(candidate), *onto.parameters, *candidate.parameters)
+    scouts = tuple(p for p in candidate.parameters if p.name in candidate.scouts)
+    begun: list[Fit] = []
+    reason = "no start led anywhere"
+    nothing = nothing_of(onto, candidate)
+    starts: list[_Start] = []
+    for start in (*candidate.starts, *([nothing] if candidate.smooth else [])):
+        try:
+            model = onto.swing.model.changed({**candidate.fixed, **start})
+            starts.append((model, *((some, 0.0) if candidate.smooth else afresh(simulator, model, some))))
+        except ValueError as refusal:
+            reason = str(refusal)
+    apart: list[_Start] = []
+    if candidate.screened:
+        apart = _best_of_parts(starts, candidate.parts)
+        starts = sorted(starts, key=lambda start: start[2])[: candidate.screened]
+        apart = [start for start in apart if all(start is not other for other in starts)]
+    for model, windows, _ in starts:
+        try:
+            begun.append(fit(simulator, model, scouts or parameters, windows, iterations=2 if scouts else 3))
+        except ValueError as refusal:
+            reason = str(refusal)
+    begun.sort(key=lambda f: f.chi2)
+    if scouts:
+        starts = [(f.model, f.windows, f.chi2) for f in begun[:SCOUTED]]
+        begun = []
+        for model, windows, _ in (*starts, *apart):
+            try:
+                begun.append(fit(simulator, model, parameters, windows, iterations=3))
+            except ValueError as refusal:
+                reason = str(refusal)
+    if not begun:
+        return reason
+    best = min(begun, key=lambda f: f.chi2)
+    return First(best.model, parameters, of_some(onto.swing, chosen) - best.chi2)
+
+
+def on_all(simulator: Simulator, onto: Trial, candidate: Candidate, first: First) -> Fit:
+    """The candidate fitted to all windows by a few steps from its best start."""
+    whole = onto.swing.windows
+    if not candidate.smooth:
+        whole = tuple(afresh(simulator, first.model, whole)[0])
+    promising = first.gained > NOTHING * PAYS
+    return fit(simulator, first.model, first.parameters, whole, iterations=4 if promising else 1)
+
+
+def to_the_end(
+    simulator: Simulator,
+    onto: Trial,
+    begun: Sequence[tuple[Candidate, Fit]],
+    tell: Callable[[str], None],
+    before: float,
+    hopeful: float = HOPEFUL,
+) -> list[tuple[Candidate, Fit]]:
+    """The candidates with their fits, those that come near the best of all until they converge.
+
+    before: the lowest chi-square of candidates that were fitted before.
+    hopeful: what near is, of the best one's gain.
+    """
+    lowest = min([first.chi2 for _, first in begun] + [before])
+    near = lowest + max(hopeful * (onto.swing.chi2 - lowest), PAYS)
+    out = []
+    for candidate, first in begun:
+        if first.chi2 > near:
+            out.append((candidate, first))
+            continue
+        swing = first
+        if not first.converged:
+            tell(f"{candidate.name}, to the end")
+            further = fit(simulator, first.model, first.parameters, first.windows, iterations=12)
+            swing = further if further.chi2 <= first.chi2 else first
+        out.append((candidate, with_lost_found(simulator, swing)))
+    return out
+
+
+def chosen_for(onto: Trial, candidate: Candidate) -> list[int]:
+    """Windows on which the starts of a candidate are compared: every so many of them.
+
+    Of one that acts in few of them, those of which the trial leaves most beyond noise: no others hold much to explain.
+    """
+    windows = onto.swing.windows
+    some_of = SOME_COSTLY if candidate.costly or onto.costly else SOME
+    if not candidate.slips:
+        return every_so_many(len(windows), some_of)
+    left = objectives(onto.swing.model, onto.swing.residuals, windows, HUBER) - [r.size for r in onto.swing.residuals]
+    return sorted(int(i) for i in np.argsort(-left, kind="stable")[:some_of])
+
+
+def of_some(found: Fit, chosen: Sequence[int]) -> float:
+    """Chi-square of some windows, less for those far off."""
+    some = [found.windows[i] for i in chosen]
+    return float(objectives(found.model, [found.residuals[i] for i in chosen], some, HUBER).sum())
+
+
+def nothing_of(onto: Trial, candidate: Candidate) -> dict[str, float]:
+    """Parameters of the candidate at which it adds nothing to a trial, within their bounds.
+
+    A span over which nothing changes has none of its own there.
+    """
+    declared = onto.swing.model.declared
+    found = candidate.nothing(declared) if candidate.effect in onto.effects else candidate.absent(declared)
+    return found | {p.name: min(max(found[p.name], p.low), p.high) for p in candidate.parameters}
+
+
+def every_so_many(count: int, some: int) -> list[int]:
+    return list(range(0, count, max(1, count // some)))
+
+
+def _best_of_parts(starts: Sequence[_Start], parts: int) -> list[_Start]:
+    """Of so many parts of the starts, in their order, that which leaves least."""
+    each = np.array_split(np.arange(len(starts)), parts) if parts else []
+    return [min((starts[i] for i in map(int, part)), key=lambda start: start[2]) for part in each if part.size]
