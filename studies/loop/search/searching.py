@@ -196,8 +196,8 @@ def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial 
 def _enough(setup: Setup, term: Trial) -> Fit | None:
     """The fit of a coefficient on whole records, if it explains them and the swings.
 
-    Of one by which it is told but roughly how a swing begins, whole records alone have a say.  Where no more than chance
-    is left of the swings, a single record may be lost to an impact that hung on the noise of the base.
+    Of one by which it is told but roughly how a swing begins, whole records alone have a say.  Where no more than
+    chance is left of the swings, a single record may be lost to an impact that hung on the noise of the base.
     """
     if not begins_roughly(term) and over_noise(setup, term) > unexplained(setup):
         return None
