@@ -9,6 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from rocking import Block, Method2, Mode, scalars
+from rocking.form import Form
 from rocking.hybrid import Base, Discrete
 
 G = 9.81
@@ -251,6 +252,30 @@ def test_a_flat_landing_without_friction_turns_its_velocities_round(
     assert before.z_dot == pytest.approx(v)
     assert [after.x_dot, after.z_dot, after.omega] == pytest.approx([before.x_dot, -e_n * v, -e_n * omega], abs=1e-10)
     assert (q.mode, q.s) == (Mode.ROTATION_JUMP, math.copysign(1.0, after.omega))
+
+
+# The same of a centre of mass off its middle, said of the corners: without friction both normal velocities turn to
+# -e_n of what they were, whatever the mass between them, and the centre of mass keeps its horizontal velocity.
+@settings(max_examples=300)
+@given(sizes, signs, speeds, st.floats(-3.0, -0.5), st.floats(-0.9, 0.9), st.floats(-0.4, 0.4), st.floats(0.1, 0.9))
+def test_a_flat_landing_off_the_middle_turns_the_velocity_of_either_corner_round(
+    block: Block, s: float, u: float, v: float, where: float, off: float, e_n: float
+) -> None:
+    a, o, H, rho2 = 0.5 * block.b, 0.5 * off * block.b, 0.5 * block.h, (block.b**2 + block.h**2) / 12.0
+    # The resultant of the two impulses is at `where` of the half-breadth from the middle.
+    omega = abs(v) * (where * a - o) / rho2
+    down = {side: v - omega * (side * a - o) for side in (1.0, -1.0)}
+    assume(max(down.values()) < -1e-3 / e_n and abs(omega) > 1e-3)
+    system = Method2(block, friction=0.0, normal_restitution=e_n, g=G, form=Form.of(block).edited(offset=o))
+    y = (0.0, 0.0, 0.0, u, down[s], omega)
+    k = system.guard_names.index("contact")
+    after, q = system.jump(scalars, y, Discrete(Mode.ROTATION_JUMP, s, 1.0), STILL, system.parameters, k)
+    lower = float(q.s)
+    up = {lower: after[4], -lower: after[4] + 2.0 * lower * a * after[5]}
+    for side in (1.0, -1.0):
+        assert up[side] == pytest.approx(-e_n * down[side], abs=1e-10)
+    assert after[3] + H * after[5] == pytest.approx(u + H * omega, abs=1e-10)
+    assert up[lower] <= up[-lower]
 
 
 @settings(max_examples=500)
