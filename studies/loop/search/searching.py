@@ -184,12 +184,14 @@ def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial 
         ("what goes on within the block", inner(declared, released)),
     ):
         tell(f"something is left: asking {what}")
-        best = search(setup.simulator, plain, pool, tell, leading=True).best
-        if best is None or bic(best.swing) > bic(path.last.swing) - PAYS:
-            continue
-        whole = _enough(setup, best)
-        if whole is not None and not explains_more(setup, path.whole, whole):
-            return best
+        forms = sorted(search(setup.simulator, plain, pool, tell, leading=True).trials, key=lambda t: bic(t.swing))
+        for form in forms:
+            # Of those that swings do not tell from the best one, in their order, the first that whole records bear.
+            if bic(form.swing) > min(bic(path.last.swing) - PAYS, bic(forms[0].swing) + PAYS):
+                break
+            whole = _enough(setup, form)
+            if whole is not None and not explains_more(setup, path.whole, whole):
+                return form
     return None
 
 

@@ -210,6 +210,31 @@ def test_a_form_is_taken_where_it_leaves_noise_of_swings_and_whole_records(ways,
         assert asked == []
 
 
+@pytest.mark.parametrize(("behind", "taken"), [(0.9, True), (1.1, False)])
+def test_of_forms_that_swings_do_not_tell_apart_whole_records_choose(ways, monkeypatch, behind, taken):
+    """Air that is squeezed out: a wide curve met swings best, by 20 of chi-square, and a finer one whole records."""
+    wide, fine = path_of("wide", chi2=500.0), path_of("fine", chi2=500.0 + behind * searching.PAYS)
+    plain, path = path_of(), path_of("a", "b", chi2=1000.0)
+    plain.swing.model, plain.swing.windows = SimpleNamespace(declared=None), ()
+    monkeypatch.setattr(searching, "by_chance", lambda setup, trial: trial is not path)
+    monkeypatch.setattr(searching, "profiles", lambda block, windows: "curves")
+    monkeypatch.setattr(searching, "inner", lambda block, released: "within")
+    monkeypatch.setattr(searching, "over_noise", lambda setup, trial: 1.0)
+    monkeypatch.setattr(searching, "unexplained", lambda setup: 1.05)
+
+    def whole_fit(setup, trial):
+        rms = 1.0 if trial is fine else 1.6
+        return SimpleNamespace(rms=rms, of=trial.names, best=None, by_window=np.full(6, rms))
+
+    monkeypatch.setattr(searching, "whole_fit", whole_fit)
+    found = {"curves": [fine, wide], "within": []}
+    monkeypatch.setattr(searching, "search", lambda s, onto, pool, tell, leading: Round(onto, found[pool]))
+    setup = setup_of(True)
+    setup.simulator = SimpleNamespace(tests=[])
+    chosen = ways.asked_for_a_form(setup, plain, SimpleNamespace(last=path, whole=path), lambda text: None)
+    assert chosen is (fine if taken else None)
+
+
 def test_floors_are_not_tried_where_two_effects_leave_nothing(ways):
     ways.accepted = {((), True): path_of("a"), (("a",), True): (both := path_of("a", "b"))}
     both.swing.rms, ways.whole = 1.0, 1.29
