@@ -24,7 +24,8 @@ WIDEST = 0.05
 """Largest step over the critical one."""
 FOREIGN = (
     "radius", "offset", "viscous", "quadratic", "tether_stiffness", "adhesion", "slope", "side", "leak", "bedding",
-    "grind", "heed", "cubic", "hinge", "guide", "side_viscous", "squeeze", "rib", "magnet", "layer", "slosh_mass",
+    "grind", "heed", "cubic", "hinge", "guide", "side_viscous", "squeeze", "brake", "rib", "magnet", "layer",
+    "slosh_mass",
 )  # fmt: skip
 """What an element of `dem` lacks."""
 

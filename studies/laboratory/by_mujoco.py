@@ -28,7 +28,7 @@ SOFTNESS = 4.0 * STEP
 """Time constant of a contact [s]; of two steps the impacts scatter."""
 FOREIGN = (
     "quadratic", "adhesion", "slope", "side", "leak", "bedding", "grind", "heed", "cubic", "hinge", "guide",
-    "side_viscous", "squeeze", "rib", "magnet", "layer", "slosh_mass", "stiffness",
+    "side_viscous", "squeeze", "brake", "rib", "magnet", "layer", "slosh_mass", "stiffness",
 )  # fmt: skip
 """What is not built in MuJoCo here."""
 

@@ -30,6 +30,7 @@ class Sensors:
     rotation_play: float = 0.0  # rad, half of the gap in the linkage, in whose middle it is when the block is upright
     base_gain: float = 1.0  # true over recorded
     base_lag: float = 0.0  # s, how late the record is
+    base_corner: float = 0.0  # Hz, below which the base sensor, coupled through a capacitor, loses slow motion
 
     def reads(self, theta: np.ndarray) -> np.ndarray:
         """Reading of the rotation sensor [rad] at the samples of a test, shape (time,), NaN where there is none."""
@@ -302,6 +303,14 @@ def one_sided_damping(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     return _world(lab, side_viscous=k * d.between(0.02, 0.15)), {}
 
 
+def one_sided_brake(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
+    """A vane passes a magnet while the block leans about one rotation toward one side: eddy currents."""
+    w = lab.world
+    p = np.sqrt(w.mass * w.gravity * np.hypot(w.half_breadth, w.centre_height) / w.corner_inertia)
+    at, width = (0.2 + 0.25 * d.other) * w.alpha, (0.08 + 0.1 * d.choice) * w.alpha
+    return _world(lab, brake=k * d.between(0.02, 0.2) * p, brake_at=d.sign * at, brake_width=width), {}
+
+
 def leaking_restitution(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     """The less time since the last impact, the more is lost: air under the base has not come back."""
     return _world(lab, leak=min(0.2, k * d.between(0.01, 0.05)), leak_time=0.15 + 0.25 * d.other), {}
@@ -371,6 +380,11 @@ def loose_linkage(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     return replace(lab, sensors=replace(lab.sensors, rotation_play=play)), {}
 
 
+def coupled_sensor(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
+    """The sensor of the base is coupled through a capacitor."""
+    return replace(lab, sensors=replace(lab.sensors, base_corner=min(1.0, k * d.between(0.01, 0.1)))), {}
+
+
 def sprung_table(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     """The block stands on a plate that gives, and the sensor of the base is below it."""
     frequency = (12.0 + 10.0 * d.other) / math.sqrt(k * d.between(0.5, 2.0))
@@ -397,8 +411,8 @@ UNNAMED: dict[str, Effect] = {
     f.__name__: f
     for f in (
         restitution_by_side, wear, cubic_torque, hinge_friction, one_sided_friction, one_sided_damping, squeezed_air,
-        leaking_restitution, bedding_in, grinding, heedful_impacts, one_sided_cable, ribbed_cable, magnet,
-        hysteretic_layer, slosh, curved_sensor, loose_linkage, sprung_table, gusts,
+        one_sided_brake, leaking_restitution, bedding_in, grinding, heedful_impacts, one_sided_cable, ribbed_cable,
+        magnet, hysteretic_layer, slosh, curved_sensor, loose_linkage, coupled_sensor, sprung_table, gusts,
     )
 }  # fmt: skip
 

@@ -30,6 +30,7 @@ GRI, GRIU, USED, HEED = (INDEX[k] for k in ("grind", "grind_use", "used", "heed"
 CUB, HIN, SVIS, RIB, RIBP = (INDEX[k] for k in ("cubic", "hinge", "side_viscous", "rib", "rib_period"))
 MAG, MAGW, LAY, LAYW = (INDEX[k] for k in ("magnet", "magnet_width", "layer", "layer_width"))
 GUI, GUIF, SQU, SQUW = (INDEX[k] for k in ("guide", "guide_from", "squeeze", "squeeze_width"))
+BRA, BRAT, BRAW = (INDEX[k] for k in ("brake", "brake_at", "brake_width"))
 SM, SL, SH, SD = (INDEX[k] for k in ("slosh_mass", "slosh_length", "slosh_height", "slosh_damping"))
 
 REST_SPEED = 1e-4  # rad/s after an impact, below which the block may come to rest
@@ -78,6 +79,8 @@ def own_torque(s, phi, v, z, P, J):
         a -= P[SVIS] * v
     if P[SQU] != 0.0:
         a -= P[SQU] * np.exp(-phi / P[SQUW]) * v
+    if P[BRA] != 0.0:
+        a -= P[BRA] * np.exp(-(((theta - P[BRAT]) / P[BRAW]) ** 2)) * v
     if P[RIB] != 0.0:
         a += s * P[RIB] * np.sin(2 * np.pi * theta / P[RIBP])
     if P[MAG] != 0.0:

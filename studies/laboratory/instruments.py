@@ -91,7 +91,17 @@ def reading(lab: Lab, plan: Plan, response: Response, channel: Channel, bench: B
     k = np.clip(np.floor(t / h).astype(int), 0, felt.shape[0] - 1)
     x = np.clip(t - k * h, 0.0, h)
     value = sum(felt[k, row, p] * x**p for p in range(4))
+    if row == 0 and lab.sensors.base_corner > 0.0:
+        value = value - slowly(value, 1.0 / plan.rate, lab.sensors.base_corner)
     return value / (lab.sensors.base_gain if row == 0 else 1.0)
+
+
+def slowly(value: Array, step: float, corner: float) -> Array:
+    """What a first-order low-pass of that corner [Hz] makes of samples, shape (time,), from zero at the first one."""
+    kept, out = math.exp(-2.0 * math.pi * corner * step), np.zeros(value.size)
+    for k in range(1, value.size):
+        out[k] = kept * out[k - 1] + (1.0 - kept) * 0.5 * (value[k - 1] + value[k])
+    return out
 
 
 def record(

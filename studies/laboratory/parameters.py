@@ -51,6 +51,9 @@ class World:
     squeeze: float = 0.0  # 1/s, damping that fades with lean
     squeeze_width: float = 1.0  # rad
     side_viscous: float = 0.0  # 1/s, while leaning toward +x alone
+    brake: float = 0.0  # 1/s, damping about one rotation alone
+    brake_at: float = 0.0  # rad
+    brake_width: float = 1.0  # rad
     rib: float = 0.0  # 1/s^2, amplitude of an angular acceleration periodic in rotation
     rib_period: float = 1.0  # rad
     magnet: float = 0.0  # 1/s^2, angular acceleration back toward upright, fading with lean

@@ -16,16 +16,19 @@ from rocking.effects.learned_curve import EVEN, ODD, curve, numbers
 from rocking.effects.learned_damping import DAMPING
 from rocking.effects.learned_friction import FRICTION
 from rocking.effects.learned_reading import MARKS, LearnedReading
-from studies.loop.learned_in_time import amplification, answer, by_parameters, loop, ringing, there_and_back
+from studies.loop.learned_in_time import amplification, answer, by_parameters, loop, passed, ringing, there_and_back
 from studies.loop.models.model import DRIFT, FADING, LoopModel
 from studies.loop.observed.windows import struck_before
 from studies.loop.records.preparing import Setup
-from studies.loop.swings.learning import BASE, CURVE, HYSTERESIS, LOSS, MEMORY, MODE, READING, RUBBING, TERM
+from studies.loop.swings.learning import BASE, COUPLING, CURVE, HYSTERESIS, LOSS, MEMORY, MODE, READING, RUBBING, TERM
 from studies.loop.whole.settling import Settled
 
 Array = NDArray[np.float64]
 
 POINTS = 121
+
+SLOW = 10.0
+"""How far what a coupled sensor passes is drawn, over its corner frequency."""
 
 
 @dataclass(frozen=True)
@@ -179,6 +182,13 @@ def _in_time(setup: Setup, settled: Settled, held: Mapping[str, int]) -> list[Cu
         )  # fmt: skip
         x = np.linspace(0.0, 2.0 * model.get(f"{BASE}.frequency"), POINTS)
         found.append(drawn(BASE, part, x, lambda m: amplification(m, x)))
+    if f"{COUPLING}.corner_frequency" in held:
+        part = _Part(
+            "A base sensor that loses slow motion", "What it recorded over what there was, in steady shaking.",
+            "frequency [Hz]", "recorded over true [1]", {},
+        )  # fmt: skip
+        x = np.linspace(0.0, SLOW * model.get(f"{COUPLING}.corner_frequency"), POINTS)
+        found.append(drawn(COUPLING, part, x, lambda m: passed(m, x)))
     if f"{HYSTERESIS}.stiffness" in held:
         part = _Part(
             "Torque that lags, against rotation",
@@ -207,10 +217,11 @@ def _splines(settled: Settled) -> list[_Part]:
         if f"{effect}.{names[0]}" not in settled.names:
             continue
         fixed = settled.whole.model.effects[effect]
-        reach, n = fixed[f"{kind}reach"], int(fixed[f"{kind}intervals"])
+        reach, n, low = fixed[f"{kind}reach"], int(fixed[f"{kind}intervals"]), fixed.get("low", 0.0)
+        units = np.eye(n + 1)
         functions = {
-            f"{effect}.{name}": _spline(kind, numbers(reach, tuple(np.eye(n + 1)[j])))
-            for j, name in enumerate(names[: n + 1])
+            f"{effect}.{name}": _from(low, reach, unit) if low < 0.0 else _spline(kind, numbers(reach, tuple(unit)))
+            for name, unit in zip(names, units, strict=False)
         }
         found.append(_Part(label, words, "rotation [rad]", y_label, functions))
     if f"{RUBBING}.{FRICTION[0]}" in settled.names:

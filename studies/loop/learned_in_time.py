@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocking.effects.learned_base import LearnedBase
+from rocking.effects.learned_coupling import LearnedCoupling
 from rocking.hybrid import REST, Base, Discrete
 from rocking.hysteretic import HystereticBlock
 from rocking.inner_mass import BlockWithInnerMass, inside
@@ -89,6 +90,12 @@ def amplification(model: LoopModel, frequency: Array) -> Array:
     r = frequency / plate["frequency"]
     lag = 2j * plate["damping_ratio"] * r
     return np.asarray(np.abs((1.0 + lag) / (1.0 - r**2 + lag)))
+
+
+def passed(model: LoopModel, frequency: Array) -> Array:
+    """What a coupled base sensor records of sinusoids of these frequencies [Hz], over what there is [1]."""
+    corner = model.get(f"{LearnedCoupling.name}.corner_frequency")
+    return frequency / np.hypot(frequency, corner)
 
 
 def by_parameters(draw: Callable[[LoopModel], Array], model: LoopModel, names: list[str]) -> Array:

@@ -3,10 +3,10 @@
 Each coefficient of `rocking.effects.learned_term`, a drift of restitution from test to test, the curves of
 `rocking.effects.learned_curve`, `rocking.effects.learned_damping` and `rocking.effects.learned_friction`, the
 restitution with a memory of `rocking.effects.learned_memory`, what is off in a rotation sensor of
-`rocking.effects.learned_reading`, the plate of `rocking.effects.learned_base`, the mass inside of
-`rocking.effects.learned_mode` and the torque that lags of `rocking.effects.learned_hysteresis` are parameters whose
-default is nothing, fitted with the same machinery as the effects. The greedy search stops when the next one does not
-lower the residual by `LEAST_GAIN`.
+`rocking.effects.learned_reading`, the plate of `rocking.effects.learned_base`, what a base sensor loses of
+`rocking.effects.learned_coupling`, the mass inside of `rocking.effects.learned_mode` and the torque that lags of
+`rocking.effects.learned_hysteresis` are parameters whose default is nothing, fitted with the same machinery as the
+effects. The greedy search stops when the next one does not lower the residual by `LEAST_GAIN`.
 
 Status   two modes, two of what swings, yields or remembers at once, and a curve beside what swings or yields, are
          outside of the span.
@@ -65,9 +65,9 @@ LITTLE = 0.2
 HOPELESS = 1
 """Coefficients after which half of what is to be reached has to be."""
 
-TERM, CURVE, LOSS, RUBBING, MEMORY, READING, BASE, MODE, HYSTERESIS = LEARNED = (
+TERM, CURVE, LOSS, RUBBING, MEMORY, READING, BASE, COUPLING, MODE, HYSTERESIS = LEARNED = (
     "learned_term", "learned_curve", "learned_damping", "learned_friction", "learned_memory", "learned_reading",
-    "learned_base", "learned_mode", "learned_hysteresis",
+    "learned_base", "learned_coupling", "learned_mode", "learned_hysteresis",
 )  # fmt: skip
 """Effects that say how a residual looks and not what it comes from."""
 
@@ -158,7 +158,7 @@ def by_itself(simulator: Simulator, onto: Trial) -> list[Candidate]:
     """What has no name, is said by a number or two, and may be all that acts."""
     declared, windows = onto.swing.model.declared, onto.swing.windows
     few = [c for c in readings(declared, windows) if len(c.parameters) == 1]
-    return [*unnamed(declared), *few, *memories(declared, windows), *plates(simulator, windows)]
+    return [*unnamed(declared), *few, *memories(declared, windows), *between(simulator, windows)]
 
 
 def _term(full: str, size: float) -> Candidate:
@@ -189,7 +189,7 @@ def readings(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
 def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
     """Torques, dampings and frictions of any shape against rotation: near upright, or as far as the swings go.
 
-    Torques alike on both sides or not; frictions with a shape of their own on either side.
+    Torques and dampings alike on both sides or not; frictions with a shape of their own on either side.
     """
     p, alpha = block.p(), block.alpha
     torque = 0.02 * p**2 * alpha
@@ -206,18 +206,22 @@ def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
             own = tuple(Parameter(f"{effect}.{name}", size, -50.0 * size, 50.0 * size) for name in names[: n + 1])
             fixed = {f"{effect}.{kind}reach": share * reach, f"{effect}.{kind}intervals": float(n)}
             found.append(Candidate(f"learned[{label}, {shape}]", effect, own, (), fixed))
-    ends = _as_far_as_read(RUBBING, windows)
-    for shape, n in (("smooth", 8), ("fine", 16)):
-        own = tuple(Parameter(f"{RUBBING}.{name}", torque, -50.0 * torque, 50.0 * torque) for name in FRICTION[: n + 1])
-        fixed = {**ends, f"{RUBBING}.intervals": float(n)}
-        found.append(Candidate(f"learned[friction by rotation, {shape}]", RUBBING, own, (), fixed))
+    for label, effect, names, size, end in (
+        ("damping by rotation, each side its own", LOSS, DAMPING, torque / (0.5 * p * alpha), "reach"),
+        ("friction by rotation", RUBBING, FRICTION, torque, "high"),
+    ):
+        ends = _as_far_as_read(effect, windows, end)
+        for shape, n in (("smooth", 8), ("fine", 16)):
+            own = tuple(Parameter(f"{effect}.{name}", size, -50.0 * size, 50.0 * size) for name in names[: n + 1])
+            fixed = {**ends, f"{effect}.intervals": float(n)}
+            found.append(Candidate(f"learned[{label}, {shape}]", effect, own, (), fixed))
     return tuple(found)
 
 
-def _as_far_as_read(effect: str, windows: Sequence[Window]) -> dict[str, float]:
+def _as_far_as_read(effect: str, windows: Sequence[Window], end: str = "high") -> dict[str, float]:
     """Ends of a curve: not further to one side than the block went; what nothing was read of would be anything."""
     peaks = [w.theta for w in windows]
-    return {f"{effect}.low": FURTHEST * min(0.0, *peaks), f"{effect}.high": FURTHEST * max(0.0, *peaks)}
+    return {f"{effect}.low": FURTHEST * min(0.0, *peaks), f"{effect}.{end}": FURTHEST * max(0.0, *peaks)}
 
 
 def memories(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
@@ -253,14 +257,16 @@ def memories(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
     return tuple(found)
 
 
-def plates(simulator: Simulator, windows: Sequence[Window]) -> tuple[Candidate, ...]:
-    """Something that gives between the base sensor and the block, where a base was shaken."""
+def between(simulator: Simulator, windows: Sequence[Window]) -> tuple[Candidate, ...]:
+    """Something between the shaking and its record, where a base was shaken: a plate that gives, a coupled sensor."""
     if not any(simulator.tests[test].kind == "forced" for test in {w.test for w in windows}):
         return ()
     frequency, damping = f"{BASE}.frequency", f"{BASE}.damping_ratio"
     own = Parameter(frequency, 0.1, 0.5, 100.0, log=True), Parameter(damping, 0.3, 1e-3, 3.0, log=True)
     starts = tuple({frequency: f, damping: share} for f in PLATES for share in (0.05, 0.5))
-    return (Candidate("learned[plate]", BASE, own, starts, {}, smooth=False, screened=PLATES_FITTED),)
+    plate = Candidate("learned[plate]", BASE, own, starts, {}, smooth=False, screened=PLATES_FITTED)
+    corner = Parameter(f"{COUPLING}.corner_frequency", 0.02, 0.0, 10.0)
+    return plate, Candidate("learned[coupled base sensor]", COUPLING, (corner,), (), {})
 
 
 def inner(block: DeclaredBlock, released: bool) -> tuple[Candidate, ...]:
@@ -347,7 +353,7 @@ def _at_hand(simulator: Simulator, onto: Trial) -> tuple[Candidate, ...]:
     """What has no states that go on from swing to swing."""
     declared, windows = onto.swing.model.declared, onto.swing.windows
     forms = (c for form in (readings, profiles, memories) for c in form(declared, windows))
-    return (*terms(declared), *forms, *plates(simulator, windows))
+    return (*terms(declared), *forms, *between(simulator, windows))
 
 
 def alike(simulator: Simulator, without: Trial, found: Trial, tell: Callable[[str], None]) -> list[Trial]:

@@ -202,7 +202,7 @@ def test_a_motion_of_three_samples_is_one_and_of_two_is_none() -> None:
 
 SHAPED = [
     "vertical_motion.second_harmonic_ratio=0.5", "table_pitch.per_acceleration=1e-3",
-    "table_pitch.per_displacement=0.1", "learned_base.frequency=12",
+    "table_pitch.per_displacement=0.1", "learned_base.frequency=12", "learned_coupling.corner_frequency=0.3",
 ]  # fmt: skip
 """Effects that are made of the samples of a whole record."""
 

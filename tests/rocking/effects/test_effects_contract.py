@@ -45,6 +45,7 @@ PRESENT: dict[str, dict[str, float]] = {
         "outward": 0.03,
     },
     "learned_base": {"frequency": 9.0, "damping_ratio": 0.1},
+    "learned_coupling": {"corner_frequency": 0.3},
     "learned_curve": {
         "odd_reach": 0.2,
         "odd_intervals": 3.0,
@@ -54,6 +55,7 @@ PRESENT: dict[str, dict[str, float]] = {
         **{f"even_{j}": value for j, value in enumerate((0.02, -0.03, 0.04))},
     },
     "learned_damping": {
+        "low": -0.08,
         "reach": 0.1,
         "intervals": 2.0,
         **{f"damping_{j}": value for j, value in enumerate((-0.2, 0.1, -0.05))},

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from rocking import Block, Method1, solve
 from rocking.effects import load
@@ -25,10 +26,29 @@ def test_it_is_the_curve_at_the_rotation_on_either_side_times_the_speed() -> Non
         assert found == pytest.approx(omega * curve(np, abs(theta), numbers(0.1, coefficients), 0), rel=1e-12)
 
 
-def test_a_constant_curve_is_viscous_damping() -> None:
+def test_each_side_has_its_own_where_the_curve_begins_below_upright() -> None:
+    """SciPy's spline through the values at the knots, on both sides of upright, and its ends beyond them."""
+    low, reach, coefficients = -0.05, 0.15, (0.4, -0.1, 0.3, -0.2, 0.1)
+    effect = LearnedDamping(low=low, reach=reach, intervals=4.0, **dict(zip(DAMPING, coefficients, strict=False)))
+    knots = np.linspace(low, reach, 5)
+
+    def found(theta: float, omega: float = 1.0) -> float:
+        return float(torque(np, theta, omega, np.sign(theta), STILL, effect.values(FORM)))
+
+    spline = CubicSpline(knots, [found(x) for x in knots], bc_type="natural")
+    for theta in np.linspace(low, reach, 41):
+        assert found(theta) == pytest.approx(float(spline(theta)), abs=1e-12)
+    # The coefficients at the ends are the values there.
+    assert found(-0.4) == found(low) == pytest.approx(0.4, rel=1e-12)
+    assert found(0.4) == found(reach) == pytest.approx(0.1, rel=1e-12)
+    assert found(0.02, -0.7) == pytest.approx(-0.7 * found(0.02), rel=1e-12)
+
+
+@pytest.mark.parametrize("low", [0.0, -0.2])
+def test_a_constant_curve_is_viscous_damping(low: float) -> None:
     """theta'' += -c omega, by another effect's code: the same run through impacts."""
     system, c = Method1(Block(b=0.2, h=0.8)), 0.4
-    same = LearnedDamping(reach=0.1, **dict.fromkeys(DAMPING, -c))
+    same = LearnedDamping(low=low, reach=0.1, **dict.fromkeys(DAMPING, -c))
     save_at = [0.3, 0.8, 1.5]
     one = solve(system, theta=0.15, t_end=1.5, effects=[same], save_at=save_at)
     other = solve(system, theta=0.15, t_end=1.5, effects=[load("viscous_damping")(coefficient=c)], save_at=save_at)
@@ -42,6 +62,7 @@ def test_a_constant_curve_is_viscous_damping() -> None:
         ({"intervals": 2.5}, r"learned_damping.intervals=2.5: want a whole number"),
         ({"intervals": 2.0, "damping_3": 0.1}, r"learned_damping.damping_3=0.1 1/s: want none beyond damping_2"),
         ({"intervals": MOST + 1.0}, r"learned_damping.intervals=17.0 1: want 1 to 16"),
+        ({"low": 0.1}, r"learned_damping.low=0.1 rad: want -1.5708 to 0"),
         ({"reach": 0.0}, r"learned_damping.reach=0.0 rad: want 1e-06 to 1.5708"),
         ({"damping_0": math.nan}, r"learned_damping.damping_0=nan 1/s: want a number"),
     ],

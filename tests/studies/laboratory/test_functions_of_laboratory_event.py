@@ -67,6 +67,8 @@ TORQUES = [
     ({"side_viscous": 0.3}, 0.2, 0.7, -0.21),
     ({"side_viscous": 0.3}, -0.2, 0.7, 0.0),
     ({"squeeze": 0.4, "squeeze_width": 0.1}, 0.2, 0.7, -0.28 * math.exp(-2.0)),
+    ({"brake": 0.4, "brake_at": 0.1, "brake_width": 0.05}, 0.2, 0.7, -0.28 * math.exp(-4.0)),
+    ({"brake": 0.4, "brake_at": 0.1, "brake_width": 0.05}, -0.1, 0.7, -0.28 * math.exp(-16.0)),
     ({"rib": 0.5, "rib_period": 0.6}, 0.05, 0.7, 0.25),
     ({"rib": 0.5, "rib_period": 0.6}, -0.05, 0.7, 0.25),
     ({"magnet": 0.4, "magnet_width": 0.1}, 0.2, 0.7, -0.4 * math.exp(-2.0)),

@@ -280,6 +280,16 @@ def test_a_plate_is_drawn_by_what_it_makes_of_sinusoids():
     assert curve.high[k] - curve.y[k] == pytest.approx(1.96 * 1e-3 * 250.0 / math.sqrt(26.0), rel=1e-3)
 
 
+def test_a_coupled_sensor_is_drawn_by_what_it_passes():
+    """A first-order high-pass has 1/sqrt(2) at its corner f, 3/sqrt(10) at 3 f; d/df of that is -1/(f 2^1.5) at f."""
+    [curve] = retold({"learned_coupling.corner_frequency": 0.2}, np.diag([1e-6])).learned
+    assert curve.x[0] == 0.0 and curve.y[0] == 0.0 and curve.x[-1] == 2.0
+    at = np.interp([0.2, 0.6], curve.x, curve.y)
+    np.testing.assert_allclose(at, [1.0 / math.sqrt(2.0), 3.0 / math.sqrt(10.0)], rtol=1e-3)
+    k = np.argmin(np.abs(curve.x - 0.2))
+    assert curve.high[k] - curve.y[k] == pytest.approx(1.96 * 1e-3 / (0.2 * 2.0**1.5), rel=1e-3)
+
+
 def test_friction_is_drawn_from_the_end_on_one_side_to_that_on_the_other():
     ends = {"low": -0.1, "high": 0.2, "intervals": 1.0}
     values = {f"learned_friction.{name}": value for name, value in ends.items()}
