@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import cumulative_simpson, solve_ivp
 
 from rocking import solve
 from rocking.effects import load
@@ -105,6 +105,19 @@ def test_damping_that_fades_with_the_rotation_is_drawn_as_it_was() -> None:
     own = numbers(given["reach"], tuple(given[name] for name in DAMPING[: n + 1]))
     phi = np.linspace(0.005, 0.05, 20)
     np.testing.assert_allclose(curve(np, phi, own, 0), -np.exp(-phi / 0.02), rtol=0.0, atol=0.15)
+
+
+@pytest.mark.slow
+def test_a_brake_that_is_passed_on_one_side_is_drawn_as_it_was() -> None:
+    """-exp(-((theta - 0.1) / 0.04)^2) 1/s on the way over to +x, nothing on the other side."""
+    found = learned(replace(IDEAL, brake=1.0, brake_at=0.1, brake_width=0.04))
+    assert found.parts[0].effect == "learned_damping"
+    shape = load("learned_damping")(**found.swing.model.effects["learned_damping"])
+    values = shape.values(found.swing.model.system.method.form)
+    theta = np.linspace(-0.2, 0.2, 81)
+    drawn = curve(np, theta - values[0], values, 1)
+    # Nearer to upright or to the largest lean than this little is read of it.
+    np.testing.assert_allclose(drawn, -np.exp(-(((theta - 0.1) / 0.04) ** 2)), rtol=0.0, atol=0.15)
 
 
 @pytest.mark.slow
@@ -225,6 +238,19 @@ def test_impacts_that_heed_how_the_base_is_accelerated_are_learned() -> None:
     found = shaken(nothing, lambda push: push, ((2.0, 4.0), (3.0, 6.0)), replace(IDEAL, heed=0.008))
     assert found.names == ("learned[restitution pushed by the base]",)
     assert found.swing.model.get("learned_memory.pushed") == pytest.approx(-0.008, rel=0.05)
+
+
+@pytest.mark.slow
+def test_a_base_sensor_that_loses_slow_motion_is_learned() -> None:
+    """Coupled at 0.1 Hz, of which the inverse is by hand: what was recorded, and w times its integral."""
+    w = 2.0 * np.pi * 0.1
+
+    def felt(push: np.ndarray) -> np.ndarray:
+        return push + w * cumulative_simpson(push, dx=STEP, initial=0.0)
+
+    found = shaken(nothing, felt, ((2.0, 4.0), (3.0, 8.0)))
+    assert found.names == ("learned[coupled base sensor]",)
+    assert found.swing.model.get("learned_coupling.corner_frequency") == pytest.approx(0.1, rel=0.03)
 
 
 @pytest.mark.slow
