@@ -22,8 +22,9 @@ from studies.loop.models.parameters import Parameter
 from studies.loop.observed.spread import variances, weighed
 from studies.loop.observed.windows import Window
 from studies.loop.records.preparing import Setup
+from studies.loop.swings.learning import MANY
 from studies.loop.swings.trials import Trial
-from studies.loop.whole.remaining import roughly_begun
+from studies.loop.whole.remaining import over_noise, roughly_begun, structure
 
 Array = NDArray[np.float64]
 
@@ -134,7 +135,11 @@ def still_fits(setup: Setup, trial: Trial, model: LoopModel) -> bool:
     if trial.costly:
         # How a floor gave before a swing began is known but roughly: where that leaves something, it has little say.
         least += ROUGHLY * max(trial.swing.chi2 - trial.swing.samples, 0.0)
-    return there.chi2 - trial.swing.chi2 < least
+    if there.chi2 - trial.swing.chi2 < least:
+        return True
+    # A curve follows what acts as far as its intervals let it, and swings and whole records want it a little different.
+    curved = any(len(part.parameters) > MANY for part in trial.parts)
+    return curved and over_noise(setup, replace(trial, swing=there)) < structure(setup)
 
 
 def neighbours(found: Fit, covariance: Array, p: Parameter, count: int) -> list[LoopModel]:

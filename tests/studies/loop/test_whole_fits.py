@@ -109,6 +109,28 @@ def test_what_swings_do_not_bear_is_taken_where_a_floor_meets_whole_records_clos
     assert whole_fits.whole_fit(setup, trial) is (full if taken else leans)
 
 
+@pytest.mark.parametrize(
+    ("coefficients", "worse", "left", "borne"),
+    [
+        # A brake on one side: curves that met whole records left 230 and 353 more of 19,911 and 19,904 of the swings.
+        (17, 353.0, 1.013, True),
+        (17, 353.0, 1.04, False),
+        (4, 353.0, 1.013, False),
+        (4, 228.0, 1.04, True),
+    ],
+)
+def test_swings_bear_of_a_curve_what_leaves_no_structure_in_them(
+    monkeypatch: pytest.MonkeyPatch, coefficients: int, worse: float, left: float, borne: bool
+) -> None:
+    monkeypatch.setattr(whole_fits, "fit", lambda *_, **__: Swing("there", 19904.0 + worse))
+    monkeypatch.setattr(whole_fits, "over_noise", lambda setup, trial: left if trial.swing.model == "there" else 1.0)
+    monkeypatch.setattr(whole_fits, "structure", lambda setup: 1.03)
+    setup: Any = SimpleNamespace(simulator=None)
+    swing: Any = SimpleNamespace(model="here", chi2=19904.0, windows=())
+    trial: Any = Some(swing, parts=(SimpleNamespace(parameters=("one",) * coefficients),))
+    assert whole_fits.still_fits(setup, trial, "whole") is borne  # type: ignore[arg-type]
+
+
 def test_a_record_of_few_samples_has_no_beginning_to_fit() -> None:
     short = replace(record(1.0), times=np.arange(400) * 1e-3)
     assert list(whole_fits.beginnings([record(1.0), short], 0.04)) == []
