@@ -185,13 +185,18 @@ def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial 
     ):
         tell(f"something is left: asking {what}")
         forms = sorted(search(setup.simulator, plain, pool, tell, leading=True).trials, key=lambda t: bic(t.swing))
+        best: tuple[Trial, Fit] | None = None
         for form in forms:
-            # Of those that swings do not tell from the best one, in their order, the first that whole records bear.
+            # Of those that swings do not tell from the first one whole records choose.
             if bic(form.swing) > min(bic(path.last.swing) - PAYS, bic(forms[0].swing) + PAYS):
                 break
             whole = _enough(setup, form)
-            if whole is not None and not explains_more(setup, path.whole, whole):
-                return form
+            if whole is None or explains_more(setup, path.whole, whole):
+                continue
+            if best is None or explains_more(setup, whole, best[1]):
+                best = form, whole
+        if best is not None:
+            return best[0]
     return None
 
 

@@ -210,9 +210,21 @@ def test_a_form_is_taken_where_it_leaves_noise_of_swings_and_whole_records(ways,
         assert asked == []
 
 
-@pytest.mark.parametrize(("behind", "taken"), [(0.9, True), (1.1, False)])
-def test_of_forms_that_swings_do_not_tell_apart_whole_records_choose(ways, monkeypatch, behind, taken):
-    """Air that is squeezed out: a wide curve met swings best, by 20 of chi-square, and a finer one whole records."""
+@pytest.mark.parametrize(
+    ("behind", "wide_whole", "prefers", "taken"),
+    [
+        # Air that is squeezed out: a wide curve met swings best, by 20 of chi-square, and a finer one whole records.
+        (0.9, 1.6, True, "fine"),
+        (1.1, 1.6, True, None),
+        # A magnet: a wide one met whole records to 1.02 times their noise, a finer one to 0.94.
+        (0.9, 1.02, True, "fine"),
+        (0.9, 1.02, False, "wide"),
+        (1.1, 1.02, True, "wide"),
+    ],
+)
+def test_of_forms_that_swings_do_not_tell_apart_whole_records_choose(
+    ways, monkeypatch, behind, wide_whole, prefers, taken
+):
     wide, fine = path_of("wide", chi2=500.0), path_of("fine", chi2=500.0 + behind * searching.PAYS)
     plain, path = path_of(), path_of("a", "b", chi2=1000.0)
     plain.swing.model, plain.swing.windows = SimpleNamespace(declared=None), ()
@@ -223,16 +235,22 @@ def test_of_forms_that_swings_do_not_tell_apart_whole_records_choose(ways, monke
     monkeypatch.setattr(searching, "unexplained", lambda setup: 1.05)
 
     def whole_fit(setup, trial):
-        rms = 1.0 if trial is fine else 1.6
+        rms = 0.94 if trial is fine else wide_whole
         return SimpleNamespace(rms=rms, of=trial.names, best=None, by_window=np.full(6, rms))
 
+    def more(setup, one, other):
+        return prefers and (one.of, other.of) == (fine.names, wide.names)
+
     monkeypatch.setattr(searching, "whole_fit", whole_fit)
+    monkeypatch.setattr(searching, "explains_more", more)
     found = {"curves": [fine, wide], "within": []}
     monkeypatch.setattr(searching, "search", lambda s, onto, pool, tell, leading: Round(onto, found[pool]))
     setup = setup_of(True)
     setup.simulator = SimpleNamespace(tests=[])
-    chosen = ways.asked_for_a_form(setup, plain, SimpleNamespace(last=path, whole=path), lambda text: None)
-    assert chosen is (fine if taken else None)
+    chosen = ways.asked_for_a_form(
+        setup, plain, SimpleNamespace(last=path, whole=whole_of(ways, path)), lambda text: None
+    )
+    assert chosen is {"fine": fine, "wide": wide, None: None}[taken]
 
 
 def test_floors_are_not_tried_where_two_effects_leave_nothing(ways):
