@@ -60,7 +60,7 @@ from studies.loop.whole.remaining import (
 from studies.loop.whole.rivals import Rival, near_all, other_forms, standing, twins, twins_from_many
 from studies.loop.whole.settling import Settled, intervals, settle
 from studies.loop.whole.whole_fits import whole_fit, whole_fit_from_many
-from studies.loop.whole.whole_records import MISSED, as_the_base_moves_them, explains_more, hinted
+from studies.loop.whole.whole_records import MISSED, as_the_base_moves_them, explains_more, hinted, remembering_all
 
 Tell = Callable[[str], None]
 Verdict = Literal["effect", "none", "unexplained"]
@@ -317,7 +317,7 @@ def _otherwise(
         if bic(best.swing) < bic(named.swing) - PAYS:
             return best
         if not closely and bic(best.swing) < bic(named.swing) + PAYS:
-            there = whole_fit(setup, best, whole)
+            best, there = remembering_all(setup, best, whole_fit(setup, best, whole))
             if explains_more(setup, there, whole):
                 return best
     if closely:
@@ -326,6 +326,9 @@ def _otherwise(
     # Two effects have the freedom to explain swings of something else, a single one that explains them has not.
     open_to_it = [
         t for t in (*by_law.trials, *by_term.trials) if several or bic(t.swing) < bic(named.swing) + PAYS
+    ]  # fmt: skip
+    open_to_it = [
+        remembering_all(setup, t, whole_fit(setup, t))[0] if MEMORY in t.effects else t for t in open_to_it
     ]  # fmt: skip
     found = hinted(setup, plain, bare, replace(by_law, trials=open_to_it))
     return next((r.trial for r in found[:1] if explains_more(setup, r.whole, whole)), None)
@@ -337,7 +340,8 @@ def _one_in_place_of(setup: Setup, plain: Trial, named: Trial, whole: Fit, tell:
     best = search(setup.simulator, plain, by_itself(setup.simulator, plain), tell, leading=True).best
     if best is None or bic(best.swing) > bic(named.swing):
         return None
-    return best if explains_more(setup, whole_fit(setup, best, whole), whole) else None
+    best, there = remembering_all(setup, best, whole_fit(setup, best, whole))
+    return best if explains_more(setup, there, whole) else None
 
 
 def _kept(
@@ -371,7 +375,7 @@ def _kept(
 
 def _shaped(setup: Setup, plain: Trial, found: Trial, tell: Tell) -> tuple[Trial, Fit]:
     """What was learned with its fit on whole records, in the form that misses these least of those alike to swings."""
-    whole = whole_fit(setup, found)
+    found, whole = remembering_all(setup, found, whole_fit(setup, found))
     if not setup.by_rotation or found.costly or whole.rms < MISSED or found.parts[-1].effect in FREEDOMS:
         return found, whole
     if not says_much(plain, found):  # of what acts it has no form
@@ -379,7 +383,7 @@ def _shaped(setup: Setup, plain: Trial, found: Trial, tell: Tell) -> tuple[Trial
     tell("asking whole records which form it has")
     less = taken_out(setup, plain, found, len(found.parts) - 1)
     for other in alike(setup.simulator, less, found, tell):
-        there = whole_fit(setup, other)
+        other, there = remembering_all(setup, other, whole_fit(setup, other))
         if explains_more(setup, there, whole):
             found, whole = other, there
     return found, whole

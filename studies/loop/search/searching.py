@@ -40,7 +40,7 @@ from studies.loop.whole.remaining import (
 )
 from studies.loop.whole.rivals import TWIN
 from studies.loop.whole.whole_fits import whole_fit, whole_fit_from_many
-from studies.loop.whole.whole_records import MISSED, explains_more
+from studies.loop.whole.whole_records import MISSED, explains_more, remembering_all
 
 NEARLY_FIRST = 0.5
 """Effects that lower the criterion by this share of what the first one does are gone on from in its place."""
@@ -190,28 +190,30 @@ def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial 
             # Of those that swings do not tell from the first one whole records choose.
             if bic(form.swing) > min(bic(path.last.swing) - PAYS, bic(forms[0].swing) + PAYS):
                 break
-            whole = _enough(setup, form)
-            if whole is None or explains_more(setup, path.whole, whole):
+            found = _enough(setup, form)
+            if found is None or explains_more(setup, path.whole, found[1]):
                 continue
-            if best is None or explains_more(setup, whole, best[1]):
-                best = form, whole
+            if best is None or explains_more(setup, found[1], best[1]):
+                best = found
         if best is not None:
             return best[0]
     return None
 
 
-def _enough(setup: Setup, term: Trial) -> Fit | None:
-    """The fit of a coefficient on whole records, if it explains them and the swings.
+def _enough(setup: Setup, term: Trial) -> tuple[Trial, Fit] | None:
+    """A coefficient with its fit on whole records, if it explains them and the swings.
 
     Of one by which it is told but roughly how a swing begins, whole records alone have a say.  Where no more than
     chance is left of the swings, a single record may be lost to an impact that hung on the noise of the base.
     """
     if not begins_roughly(term) and over_noise(setup, term) > unexplained(setup):
         return None
-    whole = whole_fit(setup, term)
-    if not by_chance(setup, term):
-        return whole if met(setup, whole, CLOSELY) else None
-    return whole if met(setup, whole, MISSED) or rms_but_for_one(whole, MISSED_BY_FAR) < MISSED else None
+    term, whole = remembering_all(setup, term, whole_fit(setup, term))
+    if by_chance(setup, term):
+        enough = met(setup, whole, MISSED) or rms_but_for_one(whole, MISSED_BY_FAR) < MISSED
+    else:
+        enough = met(setup, whole, CLOSELY)
+    return (term, whole) if enough else None
 
 
 def _nothing_is_left_of_swings(setup: Setup, opening: Round) -> bool:
@@ -222,8 +224,7 @@ def _nothing_is_left_of_swings(setup: Setup, opening: Round) -> bool:
 def _coefficient(setup: Setup, plain: Trial, tell: Tell) -> tuple[Trial, Fit] | None:
     """The coefficient without a name that explains most of the swings, if it explains them and whole records."""
     term = _best_without_a_name(setup, plain, lambda: by_itself(setup.simulator, plain), tell)
-    whole = _enough(setup, term) if term is not None and pays(plain.swing, term.swing) else None
-    return None if term is None or whole is None else (term, whole)
+    return _enough(setup, term) if term is not None and pays(plain.swing, term.swing) else None
 
 
 def _best_without_a_name(

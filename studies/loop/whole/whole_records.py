@@ -22,6 +22,7 @@ from studies.loop.models.model import DRIFT, FADING
 from studies.loop.models.parameters import Parameter
 from studies.loop.records.preparing import Setup
 from studies.loop.records.scoring import errors
+from studies.loop.swings.learning import MEMORY
 from studies.loop.swings.trials import PAYS, Round, Trial, bic
 from studies.loop.whole.rivals import TWIN, Rival
 from studies.loop.whole.settling import counted_together, predictable
@@ -52,6 +53,9 @@ values may hit by chance."""
 
 TELLING = 3
 """Records on which the starts are compared."""
+
+REMEMBERED = frozenset(f"{MEMORY}.{name}" for name in ("first", "recent", "worn"))
+"""Of a restitution with a memory what depends on which impacts count."""
 
 LIKELY = 1.0 / 3.0
 """Share of the scanned values that are judged under what base noise does there: those whose runs come nearest."""
@@ -131,6 +135,21 @@ def explains_more(setup: Setup, found: Fit, other: Fit) -> bool:
     )  # fmt: skip
     left, plain, samples = where_told(own, its)
     return left < plain - PAYS * max(1.0, left / samples)
+
+
+def remembering_all(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit]:
+    """The trial and its fit on whole records; of one that remembers impacts, all of them, where these prefer that.
+
+    No record shows those that are too slow to end a swing, so that swings do not tell whether they count.
+    """
+    least = f"{MEMORY}.least_speed"
+    if MEMORY not in trial.effects or not any(p.name in REMEMBERED for p in trial.parameters):
+        return trial, whole
+    if trial.swing.model.get(least) == 0.0:
+        return trial, whole
+    every = replace(trial, swing=replace(trial.swing, model=trial.swing.model.changed({least: 0.0})))
+    there = whole_fit(setup, every)
+    return (every, there) if explains_more(setup, there, whole) else (trial, whole)
 
 
 def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> tuple[Rival, ...]:

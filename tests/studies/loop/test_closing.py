@@ -120,7 +120,7 @@ def explained_trial(chi2, *effects):
     swing = SimpleNamespace(
         chi2=chi2, parameters=effects, samples=10_000, model=SimpleNamespace(declared=None), windows=()
     )
-    return SimpleNamespace(names=effects, effects=effects, parts=parts, swing=swing, costly=False)
+    return SimpleNamespace(names=effects, effects=effects, parts=parts, swing=swing, costly=False, parameters=())
 
 
 @pytest.mark.parametrize(
@@ -148,7 +148,7 @@ def test_what_was_learned_takes_the_place_of_names_where_it_explains_far_more(mo
     monkeypatch.setattr(closing, "by_chance", lambda setup, trial: False)
     monkeypatch.setattr(closing, "memories", lambda block, windows: ())
     monkeypatch.setattr(closing, "profiles", lambda block, windows: ())
-    monkeypatch.setattr(closing, "whole_fit", lambda setup, trial, whole: whole)
+    monkeypatch.setattr(closing, "whole_fit", lambda setup, trial, whole=None: whole)
     monkeypatch.setattr(closing, "explains_more", lambda setup, one, other: True)
     monkeypatch.setattr(closing, "search", lambda *_: Round(plain, [other]))
     monkeypatch.setattr(closing, "unnamed", lambda block: ())
@@ -309,7 +309,8 @@ def test_whole_records_choose_among_forms_that_swings_hardly_tell_apart(
     def form(name):
         part = SimpleNamespace(name=name, effect=effect)
         swing = SimpleNamespace(chi2=forms[name][0], parameters=(), samples=4900)
-        return SimpleNamespace(names=("tilt", name), parts=(None, part), swing=swing, costly=False)
+        names = ("tilt", name)
+        return SimpleNamespace(names=names, parts=(None, part), swing=swing, costly=False, effects=(), parameters=())
 
     def alike(simulator, less, found, tell):
         assert less == ("without", 1) and found.names[-1] == "smooth"

@@ -68,6 +68,42 @@ def test_whole_records_that_are_met_or_not_predictable_are_not_asked(rms, window
     assert hinted(None, None, whole, None) == ()
 
 
+@pytest.mark.parametrize(
+    ("effect", "parameters", "least", "all_of_them", "ends"),
+    [
+        # Air that leaks back between impacts: 6.6 times the noise where slow ones did not count, 0.97 where they did.
+        ("learned_memory", ("learned_memory.recent", "learned_memory.recent_time"), 0.15, 0.97, 0.0),
+        ("learned_memory", ("learned_memory.first", "learned_memory.first_impacts"), 0.15, 0.97, 0.0),
+        ("learned_memory", ("learned_memory.worn", "learned_memory.worn_use"), 0.15, 8.0, 0.15),
+        ("learned_memory", ("learned_memory.pushed",), 0.15, 0.97, 0.15),  # it heeds the base alone
+        ("learned_memory", ("learned_memory.recent", "learned_memory.recent_time"), 0.0, 0.97, 0.0),
+        ("learned_term", ("learned_term.friction",), 0.15, 0.97, 0.15),
+    ],
+)
+def test_whole_records_say_whether_impacts_count_that_no_record_shows(
+    monkeypatch, effect, parameters, least, all_of_them, ends
+):
+    declared = DeclaredBlock(0.2, 0.6, 0.25, 30.0)
+    model = LoopModel(declared, 0.9, {"learned_memory": {"recent": -0.1, "least_speed": least}}, G)
+    own = tuple(SimpleNamespace(name=name) for name in parameters)
+    part = SimpleNamespace(name=effect, effect=effect, parameters=own)
+    trial = Trial((effect,), (part,), Fit(model, own, (), 3400.0, 1.0, 3400, True, ()))
+    asked = []
+
+    def whole_fit(setup, one):
+        asked.append(one.swing.model.get("learned_memory.least_speed"))
+        return SimpleNamespace(rms=all_of_them)
+
+    monkeypatch.setattr(whole_records, "whole_fit", whole_fit)
+    monkeypatch.setattr(whole_records, "explains_more", lambda setup, one, other: one.rms < other.rms)
+    whole = SimpleNamespace(rms=6.6)
+    found, its_whole = whole_records.remembering_all(None, trial, whole)
+    assert found.swing.model.get("learned_memory.least_speed") == ends
+    assert (its_whole is whole) is (ends == least) and asked in ([], [0.0])
+    # Swings are those that records show: nothing of them changes.
+    assert found.swing.chi2 == trial.swing.chi2 and found.names == trial.names
+
+
 @pytest.mark.slow
 def test_an_effect_is_found_that_is_within_the_noise_of_what_is_predictable(tmp_path):
     """A base gain of -0.3 %: its swings hint at it, by 9 of the criterion.
