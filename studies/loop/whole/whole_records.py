@@ -24,6 +24,7 @@ from studies.loop.records.preparing import Setup
 from studies.loop.records.scoring import errors
 from studies.loop.swings.learning import MEMORY
 from studies.loop.swings.trials import PAYS, Round, Trial, bic
+from studies.loop.whole.remaining import CLOSELY
 from studies.loop.whole.rivals import TWIN, Rival
 from studies.loop.whole.settling import counted_together, predictable
 from studies.loop.whole.whole_fits import gain, neighbours, reweighed, weighed_under, where_told, whole_fit
@@ -322,7 +323,7 @@ def hinted(
     """Of the effects that swings only hint at, those that whole records confirm, the best first.
 
     hint: what an effect lowers the criterion of the swings by, at the least.
-    records: so many that were missed it has to help, besides.
+    records: so many that were missed it has to help, or to explain to near their noise, besides.
 
     An effect may be too small for a swing and yet turn the end of a record.  Records are compared while they are
     predictable, and one that is lost altogether counts less.  What is predictable may be within its noise where the
@@ -357,7 +358,8 @@ def hinted(
         )  # fmt: skip
         alone = _alone(setup, onto, own)
         rest = min(alone, without, key=lambda f: f.chi2)
-        if _at_the_cost_of_others(own, rest) or np.count_nonzero(_helped(own, rest)) < records:
+        helped = _helped(own, rest) | ((rest.by_window > MISSED) & (own.by_window < CLOSELY))
+        if _at_the_cost_of_others(own, rest) or np.count_nonzero(helped) < records:
             continue
         rival = _as_rival(setup, onto, whole, trial.parts[-1], own, trial.every)
         if _explains(own, rest):
