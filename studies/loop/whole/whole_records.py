@@ -146,7 +146,7 @@ def remembering_all(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit]
     least = f"{MEMORY}.least_speed"
     if MEMORY not in trial.effects or not any(p.name in REMEMBERED for p in trial.parameters):
         return trial, whole
-    if trial.swing.model.get(least) == 0.0:
+    if not setup.by_rotation or trial.swing.model.get(least) == 0.0:
         return trial, whole
     every = replace(trial, swing=replace(trial.swing, model=trial.swing.model.changed({least: 0.0})))
     there = whole_fit(setup, every)

@@ -97,9 +97,11 @@ def test_whole_records_say_whether_impacts_count_that_no_record_shows(
     monkeypatch.setattr(whole_records, "whole_fit", whole_fit)
     monkeypatch.setattr(whole_records, "explains_more", lambda setup, one, other: one.rms < other.rms)
     whole = SimpleNamespace(rms=6.6)
-    found, its_whole = whole_records.remembering_all(None, trial, whole)
+    found, its_whole = whole_records.remembering_all(SimpleNamespace(by_rotation=True), trial, whole)
     assert found.swing.model.get("learned_memory.least_speed") == ends
     assert (its_whole is whole) is (ends == least) and asked in ([], [0.0])
+    # Accelerometers hang too finely on when the side changes.
+    assert whole_records.remembering_all(SimpleNamespace(by_rotation=False), trial, whole) == (trial, whole)
     # Swings are those that records show: nothing of them changes.
     assert found.swing.chi2 == trial.swing.chi2 and found.names == trial.names
 
