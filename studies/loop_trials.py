@@ -25,6 +25,7 @@ import time
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -263,7 +264,7 @@ def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
     )
     parser.add_argument(
         "--effects", nargs="+",
-        help="names, pairs as a+b, null for none (all names that the engine has, and four pairs)",
+        help=f"of {', '.join(known)}; pairs as a+b, null for none (all that the engine has, and four pairs)",
     )  # fmt: skip
     parser.add_argument("--quick", action="store_true", help="a case or two that the engine has")
     parser.add_argument("--seeds", type=int, default=1, help="campaigns for each")
@@ -289,7 +290,9 @@ def arguments(given: Sequence[str] | None = None) -> argparse.Namespace:
     for effect in options.effects or ():
         for part in effect.split("+"):
             if part not in known:
-                parser.error(f"--effects {part!r}: want some of {', '.join(known)}")
+                near = get_close_matches(part, known)
+                meant = f"; near it: {', '.join(near)}" if near else ""
+                parser.error(f"--effects {part!r}: want some of the {len(known)} that --help names{meant}")
         wrong = _not_had(effect, options.engine)
         if wrong:
             parser.error(f"--effects {effect}: {wrong}")

@@ -196,6 +196,7 @@ COMMANDS: dict[str, tuple[Any, ...]] = {
     ),
     "predict: no campaign": ("loop", ["predict", "{}/model.toml", "{}/empty", "--out", _NEW], "is not there"),
     "trials: an effect that is none": ("trials", ["--effects", "gremlin", "--out", _NEW], "'gremlin': want some of"),
+    "trials: an effect with a slip of the pen": ("trials", ["--effects", "magnt", "--out", _NEW], "near it: magnet"),
     "trials: no seeds": ("trials", ["--quick", "--seeds", "0", "--out", _NEW], "--seeds 0: want 1 or more"),
     "trials: no jobs": ("trials", ["--quick", "--jobs=-1", "--out", _NEW], "--jobs -1: want 1 or more"),
     "trials: a negative seed": ("trials", ["--quick", "--first-seed=-1", "--out", _NEW], "--first-seed -1: want 0"),
