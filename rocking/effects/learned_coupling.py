@@ -8,7 +8,7 @@ Use when    a piezoelectric accelerometer or an amplifier without direct couplin
 Limits      first order, and causal from the first sample on; a drift of the record is integrated with it; nothing of a
             vertical channel
 Source      own derivation: the inverse of s / (s + w); the integral is that of straight lines between samples
-Status      a sinusoid, a pulse and a record that went through SciPy's high-pass, and the absent value (tests)
+Status      a sine pulse, a record that went through SciPy's high-pass, and the absent value (tests)
 """
 
 from __future__ import annotations
