@@ -5,8 +5,8 @@ Changes     the horizontal base motion: a_x + w v, v the recorded acceleration i
 Parameters  corner_frequency [Hz], at which the sensor passes 0.71 of a sinusoid; 0 where it is absent
 Use when    a piezoelectric accelerometer or an amplifier without direct coupling recorded the base, or a record was
             high-passed before it was handed over
-Limits      first order, and causal from the first sample on; a drift of the record is integrated with it; nothing of a
-            vertical channel
+Limits      first order, and causal from the first sample on; a drift of the record is integrated with it; after the
+            record the base is at rest, whatever its velocity was; nothing of a vertical channel
 Source      own derivation: the inverse of s / (s + w); the integral is that of straight lines between samples
 Status      a sine pulse, a record that went through SciPy's high-pass, and the absent value (tests)
 """
@@ -41,7 +41,7 @@ class LearnedCoupling(Effect):
     name: ClassVar[str] = "learned_coupling"
     units: ClassVar[dict[str, str]] = {"corner_frequency": "Hz"}
     ranges: ClassVar[dict[str, tuple[float, float]]] = {"corner_frequency": (0.0, 100.0)}
-    rank: ClassVar[int] = 0
+    rank: ClassVar[int] = 1  # integrated after a late clock was set right: its table ends with the run
 
     def base_motion(self, motion: BaseMotion, span: tuple[float, float], g: float) -> BaseMotion:
         """The motion with what the sensor lost."""

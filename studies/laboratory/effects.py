@@ -304,7 +304,7 @@ def one_sided_damping(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
 
 
 def one_sided_brake(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
-    """A vane passes a magnet while the block leans about one rotation toward one side: eddy currents."""
+    """A vane passes a magnet at one rotation, more or less on one side: eddy currents."""
     w = lab.world
     p = np.sqrt(w.mass * w.gravity * np.hypot(w.half_breadth, w.centre_height) / w.corner_inertia)
     at, width = (0.2 + 0.25 * d.other) * w.alpha, (0.08 + 0.1 * d.choice) * w.alpha

@@ -36,7 +36,7 @@ def felt(lab: Lab, test: Test) -> Array:
     if test.base_x is not None:
         shifted = np.clip(nodes + lab.sensors.base_lag, 0.0, nodes[-1])
         recorded = CubicSpline(nodes[::2], _whole(test.base_x))
-        # A sensor that loses what a first-order low-pass keeps has lost its own record, integrated.
+        # A sensor that loses what a first-order low-pass keeps has lost w times its own record, integrated.
         lost = 2.0 * np.pi * lab.sensors.base_corner * recorded.antiderivative()(shifted)
         ax = lab.sensors.base_gain * (recorded(shifted) + lost)
         if test.base_z is not None:

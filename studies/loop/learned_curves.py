@@ -158,7 +158,7 @@ def curves(setup: Setup, settled: Settled) -> tuple[Curve, ...]:
 
 
 def _in_time(setup: Setup, settled: Settled, held: Mapping[str, int]) -> list[Curve]:
-    """A mass that swings, a plate under the block, and what slips or creeps."""
+    """A mass that swings, a plate under the block, a coupled base sensor, and what slips or creeps."""
     model, found = settled.whole.model, []
 
     def drawn(effect: str, part: _Part, x: Array, draw: Callable[[LoopModel], Array]) -> Curve:
@@ -182,7 +182,7 @@ def _in_time(setup: Setup, settled: Settled, held: Mapping[str, int]) -> list[Cu
         )  # fmt: skip
         x = np.linspace(0.0, 2.0 * model.get(f"{BASE}.frequency"), POINTS)
         found.append(drawn(BASE, part, x, lambda m: amplification(m, x)))
-    if f"{COUPLING}.corner_frequency" in held:
+    if f"{COUPLING}.corner_frequency" in held and model.get(f"{COUPLING}.corner_frequency") > 0.0:
         part = _Part(
             "A base sensor that loses slow motion", "What it recorded over what there was, in steady shaking.",
             "frequency [Hz]", "recorded over true [1]", {},

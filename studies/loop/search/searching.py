@@ -21,7 +21,7 @@ from studies.loop.models.names import readable
 from studies.loop.records.preparing import Setup
 from studies.loop.search.revising import set_aside
 from studies.loop.search.rounds import Path, Tell, followed, nothing_of_swings, same, searched
-from studies.loop.swings.learning import by_itself, inner, profiles, terms
+from studies.loop.swings.learning import MOST_ALIKE, by_itself, inner, profiles, terms
 from studies.loop.swings.tracing import LEADS, all_candidates, floor_promises, search
 from studies.loop.swings.trials import PAYS, Round, Trial, bic, pays
 from studies.loop.whole.remaining import (
@@ -186,7 +186,7 @@ def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial 
         tell(f"something is left: asking {what}")
         forms = sorted(search(setup.simulator, plain, pool, tell, leading=True).trials, key=lambda t: bic(t.swing))
         best: tuple[Trial, Fit] | None = None
-        for form in forms:
+        for form in forms[:MOST_ALIKE]:
             # Of those that swings do not tell from the first one whole records choose.
             if bic(form.swing) > min(bic(path.last.swing) - PAYS, bic(forms[0].swing) + PAYS):
                 break
@@ -210,7 +210,7 @@ def _enough(setup: Setup, term: Trial) -> tuple[Trial, Fit] | None:
         return None
     term, whole = remembering_all(setup, term, whole_fit(setup, term))
     if by_chance(setup, term):
-        enough = met(setup, whole, MISSED) or rms_but_for_one(whole, MISSED_BY_FAR) < MISSED
+        enough = rms_but_for_one(whole, MISSED_BY_FAR) < MISSED or met(setup, whole, MISSED)
     else:
         enough = met(setup, whole, CLOSELY)
     return (term, whole) if enough else None

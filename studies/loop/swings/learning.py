@@ -211,6 +211,8 @@ def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
         ("friction by rotation", RUBBING, FRICTION, torque, "high"),
     ):
         ends = _as_far_as_read(effect, windows, end)
+        if effect == LOSS and 0.0 in ends.values():
+            continue  # of one side alone that by how far it leans says all
         for shape, n in (("smooth", 8), ("fine", 16)):
             own = tuple(Parameter(f"{effect}.{name}", size, -50.0 * size, 50.0 * size) for name in names[: n + 1])
             fixed = {**ends, f"{effect}.intervals": float(n)}

@@ -37,7 +37,7 @@ from studies.loop.swings.trying import (
     on_all,
     on_some,
     to_the_end,
-)  # fmt: skip
+)
 
 SHORTLIST = 8
 """Smooth effects beyond this rank are refitted only if their score comes near that of the first."""

@@ -1,7 +1,7 @@
 """One candidate on top of a trial: from all of its starts on some windows, then on all of them, then to the end.
 
 Source   none, own convention
-Status   what it finds is measured with `studies.loop.swings.tracing`
+Status   studies/loop_trials.py measures what is found so
 """
 
 from __future__ import annotations
@@ -148,6 +148,7 @@ def nothing_of(onto: Trial, candidate: Candidate) -> dict[str, float]:
 
 
 def every_so_many(count: int, some: int) -> list[int]:
+    """Every so many of `count` indices, from the first on, that they are about `some`."""
     return list(range(0, count, max(1, count // some)))
 
 

@@ -24,7 +24,7 @@ from studies.loop.observed.windows import Window
 from studies.loop.records.preparing import Setup
 from studies.loop.swings.learning import MANY
 from studies.loop.swings.trials import Trial
-from studies.loop.whole.remaining import over_noise, roughly_begun, structure
+from studies.loop.whole.remaining import over_noise, roughly_begun, slips, structure
 
 Array = NDArray[np.float64]
 
@@ -129,7 +129,11 @@ def borne(setup: Setup, trial: Trial, found: Fit) -> bool:
 
 
 def still_fits(setup: Setup, trial: Trial, model: LoopModel) -> bool:
-    """Whether parameters from whole records serve the swings too: else that fit is stuck elsewhere."""
+    """Whether parameters from whole records serve the swings too: else that fit is stuck elsewhere.
+
+    A curve follows what acts as far as its intervals let it, and swings and whole records want it a little different:
+    of one that leaves them without structure nothing more is asked.
+    """
     there = fit(setup.simulator, model, [], trial.swing.windows, iterations=3)
     least = 30.0 + 0.01 * trial.swing.chi2
     if trial.costly:
@@ -137,9 +141,10 @@ def still_fits(setup: Setup, trial: Trial, model: LoopModel) -> bool:
         least += ROUGHLY * max(trial.swing.chi2 - trial.swing.samples, 0.0)
     if there.chi2 - trial.swing.chi2 < least:
         return True
-    # A curve follows what acts as far as its intervals let it, and swings and whole records want it a little different.
-    curved = any(len(part.parameters) > MANY for part in trial.parts)
-    return curved and over_noise(setup, replace(trial, swing=there)) < structure(setup)
+    if slips(trial) or not any(len(part.parameters) > MANY for part in trial.parts):
+        return False
+    there = replace(there, parameters=trial.swing.parameters)
+    return over_noise(setup, replace(trial, swing=there)) < structure(setup)
 
 
 def neighbours(found: Fit, covariance: Array, p: Parameter, count: int) -> list[LoopModel]:

@@ -55,8 +55,8 @@ values may hit by chance."""
 TELLING = 3
 """Records on which the starts are compared."""
 
-REMEMBERED = frozenset(f"{MEMORY}.{name}" for name in ("first", "recent", "worn"))
-"""Of a restitution with a memory what depends on which impacts count."""
+REMEMBERED = frozenset(f"{MEMORY}.{name}" for name in ("first", "recent"))
+"""Of a restitution with a memory what depends on which impacts count, but for wear: use is counted from records."""
 
 LIKELY = 1.0 / 3.0
 """Share of the scanned values that are judged under what base noise does there: those whose runs come nearest."""
@@ -144,9 +144,9 @@ def remembering_all(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit]
     No record shows those that are too slow to end a swing, so that swings do not tell whether they count.
     """
     least = f"{MEMORY}.least_speed"
-    if MEMORY not in trial.effects or not any(p.name in REMEMBERED for p in trial.parameters):
+    if not setup.by_rotation or not any(p.name in REMEMBERED for p in trial.parameters):
         return trial, whole
-    if not setup.by_rotation or trial.swing.model.get(least) == 0.0:
+    if trial.swing.model.get(least) == 0.0:
         return trial, whole
     every = replace(trial, swing=replace(trial.swing, model=trial.swing.model.changed({least: 0.0})))
     there = whole_fit(setup, every)

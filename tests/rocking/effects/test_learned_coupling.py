@@ -45,6 +45,14 @@ def test_of_a_sine_pulse_what_is_added_is_its_velocity() -> None:
     assert np.all(there(motion, t).a_z == 0.0)
 
 
+def test_of_a_record_that_begins_and_ends_at_once_what_is_added_rises_within_it() -> None:
+    """By hand: 1 m/s^2 for 2 s has the velocity t, so that 1 + w t was there; the record says nothing of later."""
+    motion = LearnedCoupling(0.4).base_motion(SampledMotion(STEP, np.ones(501)), (0.0, 4.0), 9.81)
+    t = np.linspace(0.0, 2.0, 101)
+    np.testing.assert_allclose(there(motion, t).a_x, 1.0 + 2.0 * math.pi * 0.4 * t, rtol=0.0, atol=1e-9)
+    assert not there(motion, np.linspace(2.0 + STEP, 4.0, 50)).a_x.any()
+
+
 def test_without_a_corner_it_is_the_record() -> None:
     recorded = SampledMotion(STEP, np.sin(STEP * np.arange(500)))
     assert LearnedCoupling().base_motion(recorded, (0.0, 2.0), 9.81) is recorded
@@ -52,11 +60,11 @@ def test_without_a_corner_it_is_the_record() -> None:
 
 def test_beside_a_gain_and_a_late_clock_the_order_in_which_they_are_given_does_not_matter() -> None:
     recorded = SampledMotion(STEP, np.sin(2.0 * math.pi * 3.0 * STEP * np.arange(1500)))
-    effects = [load("base_motion_gain")(gain=1.2), LearnedCoupling(0.3), load("base_motion_lag")(lag=0.02)]
-    t = np.linspace(2.0, 4.0, 101)
+    effects = [load("base_motion_gain")(gain=1.2), LearnedCoupling(0.3), load("base_motion_lag")(lag=0.2)]
+    t = np.linspace(2.0, 5.0, 151)
     one, other = (there(base_with(recorded, e, (0.0, 5.0), 9.81), t).a_x for e in (effects, effects[::-1]))
     np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-9)
-    alone = there(base_with(recorded, effects[1:2], (0.0, 5.0), 9.81), t + 0.02).a_x
+    alone = there(base_with(recorded, effects[1:2], (0.0, 6.0), 9.81), t + 0.2).a_x
     np.testing.assert_allclose(one, 1.2 * alone, rtol=0.0, atol=1e-4)
 
 

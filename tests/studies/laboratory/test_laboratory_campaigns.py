@@ -7,17 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.signal import lsim
 
-from studies.campaigns import Channel, read
+from studies.campaigns import Channel, Test, read
 from studies.laboratory.campaign import make_campaign
-from studies.laboratory.effects import NAMED, UNNAMED, Lab, draw
+from studies.laboratory.effects import NAMED, UNNAMED, Lab, Sensors, draw
 from studies.laboratory.event import rubbing
 from studies.laboratory.instruments import Bench, reading
 from studies.laboratory.judge import check, coverage, judge, tracing
 from studies.laboratory.outcomes import make_outcomes
 from studies.laboratory.parameters import G, uniform
 from studies.laboratory.plans import Plan, check_together, respond, used, worn
-from studies.laboratory.prediction import errors, predicted, rms
+from studies.laboratory.prediction import errors, felt, predicted, rms
 from studies.laboratory.table import Table, ramp
 from studies.laboratory.truth import read_truth
 
@@ -156,6 +157,37 @@ def test_every_effect_moves_what_is_recorded(name: str) -> None:
         assert lab.sensors != LAB.sensors
     else:
         assert moved > 5e-4
+
+
+# Recorded over true is SciPy's high-pass, late and of a gain; the true laboratory makes of its record what there was.
+@pytest.mark.parametrize("corner", [0.1, 0.5])
+def test_a_coupled_sensor_records_what_a_high_pass_leaves_and_its_model_knows_the_rest(corner: float) -> None:
+    motion = ramp(np.random.default_rng(1), 3.0, 6.0)
+    plan = Plan("b", "forced", 250.0, 1500, motion=motion, order=4)
+    sensor = Channel("base", "base_acceleration_x", 1e-3)
+    bench = Bench((sensor,), {})
+    lab = replace(LAB, sensors=Sensors(base_gain=1.02, base_lag=0.004, base_corner=corner))
+
+    def recorded(lab: Lab) -> np.ndarray:
+        read = reading(lab, plan, None, sensor, bench)  # type: ignore[arg-type]
+        assert read is not None
+        return read
+
+    t = np.arange(plan.samples) / plan.rate
+    late = recorded(replace(LAB, sensors=Sensors(base_lag=0.004)))
+    _, passed, _ = lsim(([1.0, 0.0], [1.0, 2.0 * math.pi * corner]), late, t)
+    most = np.max(np.abs(late))
+    # A mean of both ends for the straight line between them: (w step)^2 / 12 of the motion, and of what it was before.
+    near = (2.0 * math.pi * corner / plan.rate) ** 2 / 12.0
+    np.testing.assert_allclose(1.02 * recorded(lab), passed, rtol=0.0, atol=2.0 * near * most)
+
+    def seen(lab: Lab) -> np.ndarray:
+        data = {"base": recorded(lab)}
+        return felt(lab, Test("b", "forced", t, (sensor,), data))[:, 0, 0]
+
+    # A 250th of a second of 3 Hz: (W step)^2 / 12 is 5e-4 of what is lost, a share of corner / 3 Hz of the motion.
+    there = slice(0, -4)  # a record that is late has not heard of its end
+    np.testing.assert_allclose(seen(lab)[there], seen(LAB)[there], rtol=0.0, atol=1e-3 * corner * most)
 
 
 # Beside a block that slides, or stands on springs, an effect moves what is recorded too, or is refused.  What adheres

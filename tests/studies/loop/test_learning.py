@@ -515,6 +515,19 @@ def test_a_window_begins_with_what_goes_on_inside(name: str, kind: str, sensor: 
 WAYS = ("square", "cubic", "drift", "base", "play")  # of a reading to be off by one coefficient
 
 
+def test_damping_of_its_own_on_either_side_is_asked_where_the_block_went_to_both() -> None:
+    """Of one side alone that by how far the block leans says all."""
+    _, plain = decays(IDEAL)
+    windows = plain.swing.windows
+    own = "learned[damping by rotation, each side its own, fine]"
+    for some in ([w for w in windows if w.theta > 0.0], [w for w in windows if w.theta < 0.0]):
+        assert some and own not in {c.name for c in profiles(DECLARED, some)}
+    [both] = [c for c in profiles(DECLARED, windows) if c.name == own]
+    # A fiftieth beyond the furthest peak on either side.
+    ends = 1.02 * min(w.theta for w in windows), 1.02 * max(w.theta for w in windows)
+    assert (both.fixed["learned_damping.low"], both.fixed["learned_damping.reach"]) == pytest.approx(ends, rel=1e-12)
+
+
 def test_what_has_states_of_its_own_is_learned_once() -> None:
     """Beside a mode no other form with states is tried, nor a curve of many coefficients, whose runs take long; what
     the memory of a restitution lacks may still be added."""

@@ -290,6 +290,14 @@ def test_a_coupled_sensor_is_drawn_by_what_it_passes():
     assert curve.high[k] - curve.y[k] == pytest.approx(1.96 * 1e-3 / (0.2 * 2.0**1.5), rel=1e-3)
 
 
+def test_damping_with_a_shape_of_its_own_on_either_side_is_drawn_from_end_to_end():
+    values = {"learned_damping.low": -0.1, "learned_damping.reach": 0.2, "learned_damping.intervals": 1.0}
+    values |= {"learned_damping.damping_0": -0.3, "learned_damping.damping_1": 0.3}
+    [curve] = retold(values, 1e-4 * np.eye(2)).learned
+    np.testing.assert_allclose(curve.y, np.interp(curve.x, (-0.1, 0.2), (-0.3, 0.3)), rtol=0.0, atol=1e-12)
+    assert curve.label == "Damping against rotation"
+
+
 def test_friction_is_drawn_from_the_end_on_one_side_to_that_on_the_other():
     ends = {"low": -0.1, "high": 0.2, "intervals": 1.0}
     values = {f"learned_friction.{name}": value for name, value in ends.items()}

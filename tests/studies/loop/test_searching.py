@@ -73,7 +73,7 @@ def path_of(*names, costly=False, chi2=None):
     parts = tuple(SimpleNamespace(name=n, slips=n == "slide", in_swings=n != "adhesion", parameters=()) for n in names)
     chi2 = 10.0 * len(names) if chi2 is None else chi2
     swing = SimpleNamespace(model=None, rms=1.5, chi2=chi2, parameters=(), samples=1000)
-    return SimpleNamespace(names=names, effects=names, parts=parts, swing=swing, costly=costly)
+    return SimpleNamespace(names=names, effects=names, parts=parts, parameters=(), swing=swing, costly=costly)
 
 
 def searched():
