@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from studies.laboratory.effects import NAMED, UNNAMED
 from studies.loop_trials import main
 
 
@@ -62,7 +63,14 @@ def test_options_that_would_have_no_say_are_refused(given, said, tmp_path, capsy
     assert not list(tmp_path.iterdir())
 
 
-def test_an_effect_that_nobody_knows_is_refused_with_the_list(capsys):
+@pytest.mark.parametrize(("given", "near"), [("gremlin", ""), ("sprung_tabel", "; near it: sprung_table")])
+def test_an_effect_that_nobody_knows_is_refused_and_help_has_the_list(capsys, given, near):
+    """All of them make more than a sentence."""
+    count = 1 + len(NAMED) + len(UNNAMED)
     with pytest.raises(SystemExit):
-        main(["--effects", "gremlin"])
-    assert "'gremlin': want some of null, " in capsys.readouterr().err
+        main(["--effects", given])
+    assert capsys.readouterr().err.endswith(f"{given!r}: want some of the {count} that --help names{near}\n")
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "null, " in told and all(name in told for name in (*NAMED, *UNNAMED))
