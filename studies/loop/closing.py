@@ -60,7 +60,14 @@ from studies.loop.whole.remaining import (
 from studies.loop.whole.rivals import Rival, near_all, other_forms, standing, twins, twins_from_many
 from studies.loop.whole.settling import Settled, intervals, settle
 from studies.loop.whole.whole_fits import whole_fit, whole_fit_from_many
-from studies.loop.whole.whole_records import MISSED, as_the_base_moves_them, explains_more, hinted, remembering_all
+from studies.loop.whole.whole_records import (
+    MISSED,
+    as_the_base_moves_them,
+    explains_more,
+    hinted,
+    hints,
+    remembering_all,
+)
 
 Tell = Callable[[str], None]
 Verdict = Literal["effect", "none", "unexplained"]
@@ -327,10 +334,11 @@ def _otherwise(
     open_to_it = [
         t for t in (*by_law.trials, *by_term.trials) if several or bic(t.swing) < bic(named.swing) + PAYS
     ]  # fmt: skip
-    open_to_it = [
-        remembering_all(setup, t, whole_fit(setup, t))[0] if MEMORY in t.effects else t for t in open_to_it
-    ]  # fmt: skip
-    found = hinted(setup, plain, bare, replace(by_law, trials=open_to_it))
+    likely = [
+        remembering_all(setup, t, whole_fit(setup, t))[0] if MEMORY in t.effects else t
+        for t in hints(plain, replace(by_law, trials=open_to_it))
+    ]
+    found = hinted(setup, plain, bare, replace(by_law, trials=likely))
     return next((r.trial for r in found[:1] if explains_more(setup, r.whole, whole)), None)
 
 

@@ -26,14 +26,12 @@ from studies.loop.swings.tracing import LEADS, all_candidates, floor_promises, s
 from studies.loop.swings.trials import PAYS, Round, Trial, bic, pays
 from studies.loop.whole.remaining import (
     CLOSELY,
-    MISSED_BY_FAR,
     begins_roughly,
     by_chance,
     declared_noise,
     explains,
     met,
     over_noise,
-    rms_but_for_one,
     roughly_begun,
     slips,
     unexplained,
@@ -203,17 +201,12 @@ def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial 
 def _enough(setup: Setup, term: Trial) -> tuple[Trial, Fit] | None:
     """A coefficient with its fit on whole records, if it explains them and the swings.
 
-    Of one by which it is told but roughly how a swing begins, whole records alone have a say.  Where no more than
-    chance is left of the swings, a single record may be lost to an impact that hung on the noise of the base.
+    Of one by which it is told but roughly how a swing begins, whole records alone have a say.
     """
     if not begins_roughly(term) and over_noise(setup, term) > unexplained(setup):
         return None
     term, whole = remembering_all(setup, term, whole_fit(setup, term))
-    if by_chance(setup, term):
-        enough = rms_but_for_one(whole, MISSED_BY_FAR) < MISSED or met(setup, whole, MISSED)
-    else:
-        enough = met(setup, whole, CLOSELY)
-    return (term, whole) if enough else None
+    return (term, whole) if met(setup, whole, MISSED if by_chance(setup, term) else CLOSELY) else None
 
 
 def _nothing_is_left_of_swings(setup: Setup, opening: Round) -> bool:

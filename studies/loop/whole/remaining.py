@@ -147,9 +147,9 @@ def met(setup: Setup, whole: Fit, within: float) -> bool:
     return bool(np.all(whole.by_window[far] <= moved))
 
 
-def rms_but_for_one(whole: Fit, lost_beyond: float = ROBUST) -> float:
+def rms_but_for_one(whole: Fit) -> float:
     """Rms of whole records over their noise, but for a single one that is lost: it may hang on the base's noise."""
-    lost = whole.by_window > lost_beyond
+    lost = whole.by_window > ROBUST
     if np.count_nonzero(lost) != 1 or lost.size < MISSED_RECORDS + 1:
         return whole.rms
     return math.sqrt(float(np.mean(whole.by_window[~lost] ** 2)))

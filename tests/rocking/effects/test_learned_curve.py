@@ -1,4 +1,4 @@
-"""The learned curve against SciPy's natural splines (rocking.effects.learned_curve)."""
+"""The learned curve, and those of damping and friction, against SciPy's natural splines."""
 
 import math
 
@@ -33,6 +33,30 @@ def test_a_curve_is_the_natural_spline_through_its_values_at_the_knots(n: int) -
     else:
         np.testing.assert_allclose(curve(np, phi, own, 0), np.interp(phi, knots, there), rtol=0.0, atol=1e-12)
     np.testing.assert_array_equal(curve(np, np.array([reach, 2.0 * reach]), own, 0), [there[-1], there[-1]])
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "end"), [("learned_damping", "damping", "reach"), ("learned_friction", "friction", "high")]
+)
+def test_a_curve_from_end_to_end_has_a_shape_of_its_own_on_either_side(name: str, kind: str, end: str) -> None:
+    """SciPy's spline through the values at the knots, on both sides of upright, and its ends beyond them.
+
+    At 1,000 rad/s, where a friction is smooth by less than rounding; a damping goes with the speed.
+    """
+    low, high, speed = -0.05, 0.15, 1e3
+    coefficients = {f"{kind}_{j}": value for j, value in enumerate((0.4, -0.1, 0.3, -0.2, 0.1))}
+    effect = load(name)(**{"low": low, end: high, "intervals": 4.0, **coefficients})
+    scale, knots = speed if kind == "damping" else 1.0, np.linspace(low, high, 5)
+
+    def found(theta: float) -> float:
+        return float(effect.acceleration(np, theta, speed, np.sign(theta), STILL, effect.values(FORM)) / scale)
+
+    spline = make_interp_spline(knots, [found(x) for x in knots], k=3, bc_type="natural")
+    for theta in np.linspace(low, high, 41):
+        assert found(theta) == pytest.approx(float(spline(theta)), abs=1e-12)
+    # The coefficients at the ends are the values there.
+    assert found(-0.4) == found(low) == pytest.approx(0.4, rel=1e-12)
+    assert found(0.4) == found(high) == pytest.approx(0.1, rel=1e-12)
 
 
 def test_one_curve_is_alike_on_both_sides_and_the_other_has_one_sign() -> None:

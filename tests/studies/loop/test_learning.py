@@ -116,7 +116,7 @@ def test_a_brake_that_is_passed_on_one_side_is_drawn_as_it_was() -> None:
     values = shape.values(found.swing.model.system.method.form)
     theta = np.linspace(-0.2, 0.2, 81)
     drawn = curve(np, theta - values[0], values, 1)
-    # Nearer to upright or to the largest lean than this little is read of it.
+    # As near as what fades with the rotation is drawn above: a spline smears over an interval, and noise adds some.
     np.testing.assert_allclose(drawn, -np.exp(-(((theta - 0.1) / 0.04) ** 2)), rtol=0.0, atol=0.15)
 
 

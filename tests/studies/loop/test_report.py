@@ -288,6 +288,8 @@ def test_a_coupled_sensor_is_drawn_by_what_it_passes():
     np.testing.assert_allclose(at, [1.0 / math.sqrt(2.0), 3.0 / math.sqrt(10.0)], rtol=1e-3)
     k = np.argmin(np.abs(curve.x - 0.2))
     assert curve.high[k] - curve.y[k] == pytest.approx(1.96 * 1e-3 / (0.2 * 2.0**1.5), rel=1e-3)
+    # One that loses nothing has no slow motion to draw.
+    assert retold({"learned_coupling.corner_frequency": 0.0}, np.diag([1e-6])).learned == ()
 
 
 def test_damping_with_a_shape_of_its_own_on_either_side_is_drawn_from_end_to_end():

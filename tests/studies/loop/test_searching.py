@@ -2,7 +2,6 @@
 
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from studies.loop.search import rounds, searching
@@ -16,7 +15,7 @@ def ways(monkeypatch):
     told = SimpleNamespace(
         chance=True, explains=True, rounds=[], accepted={}, put_off=(SimpleNamespace(name="floor"),), whole=1.4,
         trials={}, declared=True, term=False, promises=False, nothing=(),
-        form=None, from_many=None, by_record=None,
+        form=None, from_many=None,
     )  # fmt: skip
 
     def one_round(setup, onto, whole, pool, tell, known, later):
@@ -65,8 +64,7 @@ def setup_of(by_rotation):
 
 def whole_of(told, trial):
     """A fit of the trial on whole records; `best` says which trial's is no better, if one was looked for."""
-    by_record = np.full(6, told.whole) if told.by_record is None else told.by_record
-    return SimpleNamespace(rms=told.whole, of=trial.names, best=None, by_window=by_record)
+    return SimpleNamespace(rms=told.whole, of=trial.names, best=None)
 
 
 def path_of(*names, costly=False, chi2=None):
@@ -111,31 +109,6 @@ def test_one_coefficient_is_enough_where_it_leaves_noise_of_swings_and_whole_rec
     ways, monkeypatch, rotation, declared, found, left, chance, whole, enough
 ):
     ways.declared, ways.chance, ways.whole = declared, chance, whole
-    assert enough_where(ways, monkeypatch, rotation, found, left) is enough
-
-
-@pytest.mark.parametrize(
-    ("by_record", "chance", "enough"),
-    [
-        # By hand: a restitution of the first impacts left 1.004 of the noise of swings, and missed one record of six.
-        ((1.03, 1.07, 3.96, 1.10, 0.89, 1.41), True, True),
-        ((1.03, 1.07, 3.96, 1.10, 0.89, 1.41), False, False),
-        ((1.03, 1.07, 3.96, 3.10, 0.89, 1.41), True, False),  # two records are no chance
-        ((1.03, 1.07, 3.96, 1.40, 1.40, 1.41), True, True),  # 1.27 without it
-        ((1.03, 1.07, 3.96, 1.50, 1.50, 1.41), True, False),  # 1.32
-        ((1.03, 3.96), True, False),  # of two it is half
-    ],
-)
-def test_one_coefficient_may_lose_a_single_record_where_it_leaves_chance_of_swings(
-    ways, monkeypatch, by_record, chance, enough
-):
-    ways.chance, ways.by_record = chance, np.array(by_record)
-    ways.whole = float(np.sqrt(np.mean(ways.by_record**2)))
-    assert enough_where(ways, monkeypatch, True, True, 1.004) is enough
-
-
-def enough_where(ways, monkeypatch, rotation, found, left):
-    """What is said of a coefficient that leaves so much of the swings, if one was found."""
     plain, term = path_of(), path_of("learned[restitution_side]")
     monkeypatch.setattr(searching, "terms", lambda block: ("all of them",))
     monkeypatch.setattr(searching, "over_noise", lambda setup, trial: left)
@@ -149,7 +122,7 @@ def enough_where(ways, monkeypatch, rotation, found, left):
     monkeypatch.setattr(searching, "search", search)
     setup = setup_of(rotation)
     setup.simulator = None
-    return ways.asked_for_a_term(setup, plain, lambda text: None)
+    assert ways.asked_for_a_term(setup, plain, lambda text: None) is enough
 
 
 def test_floors_are_not_tried_where_one_form_leaves_nothing(ways):
@@ -236,7 +209,7 @@ def test_of_forms_that_swings_do_not_tell_apart_whole_records_choose(
 
     def whole_fit(setup, trial):
         rms = 0.94 if trial is fine else wide_whole
-        return SimpleNamespace(rms=rms, of=trial.names, best=None, by_window=np.full(6, rms))
+        return SimpleNamespace(rms=rms, of=trial.names, best=None)
 
     def more(setup, one, other):
         return prefers and (one.of, other.of) == (fine.names, wide.names)
@@ -752,7 +725,7 @@ def term(stand_in, monkeypatch):
         searching,
         "whole_fit",
         lambda setup, trial: (
-            SimpleNamespace(rms=stand_in.its_whole, of=trial.names, best=None, by_window=np.full(6, stand_in.its_whole))
+            SimpleNamespace(rms=stand_in.its_whole, of=trial.names, best=None)
             if trial is found
             else whole_of(stand_in, trial)
         ),
