@@ -24,7 +24,7 @@ from rocking.effect import Effect
 from rocking.motion import BaseMotion
 
 LOW_PASS = 25.0
-"""Frequency [Hz] at which the acceleration behind the pitch is passed by half; fourth order."""
+"""Frequency [Hz] at which the acceleration behind the pitch is passed by half; eighth order."""
 
 HIGH_PASS = 0.1
 """Frequency [Hz] at which the displacement is passed by half; fourth order."""
@@ -52,7 +52,7 @@ def filtered(a: NDArray[np.float64], step: float) -> tuple[NDArray[np.float64], 
     inner, line = slice(1, -1), np.linspace(a[0], a[-1], a.size)
     f = 0.5 * np.arange(1, a.size - 1) / ((a.size - 1) * step)
     omega2 = (2.0 * np.pi * f) ** 2
-    low = dst((a - line)[inner], 1) / (1.0 + (f / LOW_PASS) ** 4)
+    low = dst((a - line)[inner], 1) / (1.0 + (f / LOW_PASS) ** 8)
     high = 1.0 / (1.0 + (HIGH_PASS / f) ** 4)
     smooth, curvature, displacement = whole[:, part]
     smooth[:] = line

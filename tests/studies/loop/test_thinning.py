@@ -36,9 +36,33 @@ def test_a_thinned_motion_is_the_motion_below_its_own_rate_and_reaches_as_far(fa
     smooth = record(3.0, 0.0)
     fewer = thinned(smooth, factor)
     assert fewer.time_step == factor * STEP and fewer.start == smooth.start and fewer.end >= smooth.end - 1e-12
-    # The filter of `excitation.resampling` passes 1e-3 of the size at most as error, the spline far less.
-    np.testing.assert_allclose(fewer(smooth.times)[0], smooth.a_x, atol=3e-3)
+    # A cubic spline of step h through f is off by 5/384 h^4 max|d4f/dt4| at the most (Hall and Meyer 1976).
+    bound = 5.0 / 384.0 * 3.0 * (2.0 * np.pi * 3.0 * fewer.time_step) ** 4
+    np.testing.assert_allclose(fewer(smooth.times)[0], smooth.a_x, atol=bound)
     assert thinned(smooth, 1) is smooth
+
+
+@pytest.mark.parametrize("frequency", [3.0, 5.0, 7.0])
+def test_a_thinned_motion_keeps_its_size(frequency: float) -> None:
+    """The nearest spline takes nothing of a sinusoid in the first order; one through its samples makes it smaller."""
+    smooth = record(frequency, 0.0)
+    kept = thinned(smooth, 10)(smooth.times)[0] @ smooth.a_x / (smooth.a_x @ smooth.a_x)
+    assert abs(kept - 1.0) < 1e-6
+
+
+@pytest.mark.parametrize("frequency", [2.0, 3.0, 5.0])
+def test_a_block_tells_a_thinned_motion_from_its_record_less_than_a_noisy_one(frequency: float) -> None:
+    """At 20 ms and without noise it is moved by less than the share that is said of what the noise moves it by."""
+    block, t = Block(0.2, 0.8), np.linspace(1.0, 8.0, 1401)
+
+    def rotation(motion: SampledMotion) -> np.ndarray:
+        return solve(Method1(block, restitution=0.9), motion, t_start=1.0, t_end=8.0, save_at=t).theta
+
+    smooth = record(frequency, 0.0)
+    whole = rotation(smooth)
+    assert np.abs(whole).max() > 0.01
+    by_noise = np.mean([np.mean((rotation(record(frequency, seed=k)) - whole) ** 2) for k in range(4)])
+    assert np.mean((rotation(thinned(smooth, 10)) - whole) ** 2) < SHARE**2 * by_noise
 
 
 def test_the_loss_is_judged_by_what_the_block_would_do() -> None:
