@@ -45,6 +45,25 @@ def test_two_contacts_of_an_edge_share_a_load_by_the_lever_rule(x_l):
     assert found == pytest.approx(share, rel=3e-3)
 
 
+# On its middle the sole is sunk evenly: kn times the depths of its corners is the weight, whichever pair they are of.
+@pytest.mark.parametrize("drop", [1e-6, 1e-4, 1e-3])
+def test_three_corners_of_a_sole_carry_a_block_between_them(drop):
+    kn = 2e4
+
+    def sole(x):
+        half = 0.1
+        outline = [[x - half, drop], [x, 0.0], [x + half, drop], [x + half, 0.2], [x - half, 0.2]]
+        return dem.body(np.array(outline), 0.25, 2000.0)
+
+    scene = dem.Assembly((sole(0.0), sole(0.5), sole(1.0)), standing=False)
+    soft = dem.Contact(0.5, damping_ratio=0.5, kn=kn, ks=kn)
+    run = dem.simulate_assembly(scene, t_end=3.0, contact=soft)
+    for k, body in enumerate(scene.bodies):
+        heights = body.vertices[:, 1] - body.z + run.z[-1, k]
+        assert np.count_nonzero(heights < 0.0) == 3
+        assert kn * np.maximum(-heights, 0.0).sum() == pytest.approx(body.mass * G, rel=1e-9)
+
+
 def test_a_load_stands_up_to_the_edge_and_falls_beyond_it():
     def falls(x_l):
         upper = dem.block(B, 0.1, D, DENSITY, x=x_l, z=H)

@@ -3,11 +3,13 @@
 import importlib
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import dem
+from dem import arrays as q
 from dem.assembly_stability import all_touches
 
 G = 9.80665
@@ -348,6 +350,20 @@ def test_a_run_that_blows_up_names_the_body_and_the_speed(monkeypatch):
     assert run.ending is dem.Ending.UNSTABLE
     assert "block (number" in run.reason and "speed =" in run.reason and f"t = {run.end_time:.6g} s" in run.reason
     assert run.time.size > 1
+
+
+# Each way of moving counts, whichever way it goes: |vx| + |vz| + radius |omega|.
+@pytest.mark.parametrize("way", [(9.0, 0.0, 0.0), (0.0, -9.0, 0.0), (-3.0, 4.0, 0.0), (3.0, -3.0, -20.0)])
+def test_the_body_that_is_too_fast_is_named_with_its_speed(way):
+    run = run_module.Run.__new__(run_module.Run)
+    run.bodies = np.zeros((100, 3))
+    run.bodies[q.RADIUS] = 0.5
+    for row, value in zip((q.VX, q.VZ, q.OMEGA), way, strict=True):
+        run.bodies[row, 1] = value
+    run.movable, run.limits = 3, SimpleNamespace(speed=5.0)
+    speed = abs(way[0]) + abs(way[1]) + 0.5 * abs(way[2])
+    wanted = f"speed = {speed:.6g} m/s where at most 5 m/s is possible"
+    assert run._culprit(dem.Ending.UNSTABLE) == (1, wanted)
 
 
 def test_a_body_that_leaves_the_scene_is_named():

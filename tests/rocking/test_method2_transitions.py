@@ -25,7 +25,7 @@ SIDES = pytest.mark.parametrize("side", [1.0, -1.0])
 # Coulomb: at the halt the floor must only hold a_x, up to mu_s (g + a_z), though mu_k (g + a_z) is less than that.
 @SIDES
 @pytest.mark.parametrize("a_z", [0.0, -4.0, 3.0])
-@pytest.mark.parametrize(("share", "mode"), [(0.85, Mode.REST), (0.99, Mode.REST), (1.01, Mode.SLIDE)])
+@pytest.mark.parametrize(("share", "mode"), [(0.85, Mode.REST), (1.0, Mode.REST), (1.01, Mode.SLIDE)])
 def test_an_upright_slide_that_halts_stays_if_static_friction_holds(
     side: float, a_z: float, share: float, mode: Mode
 ) -> None:
@@ -44,6 +44,9 @@ def test_a_block_slides_upright_up_to_a_friction_of_b_over_h(friction: float, mo
     system = Method2(BLOCK, friction=0.4, kinetic_friction=friction, g=G)
     _, q = after(system, Mode.REST, "slip", (0.0,) * 6, Base(0.2 * G, 0.0))
     assert q.mode == mode
+    for u in (0.3, -0.3):
+        _, begun = system.initial_state(u=u)
+        assert begun.mode == mode
 
 
 # The same for a block taller than 1 m, whose b/h is not to be taken for b h.

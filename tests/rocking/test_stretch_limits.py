@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import pytest
 
 from rocking.solvers.diffrax.loop import _next_length, _physics
-from rocking.solvers.diffrax.steps import ERROR_ORDER, Bracket, _narrower
+from rocking.solvers.diffrax.steps import ERROR_ORDER, SHARE_TOLERANCE, Bracket, _narrower, fall_through_zero
 from rocking.solvers.recording import EDGE, inner_limits
 
 CASES = [(0.0, 1.0, 0.25), (3.0, 3.5, math.inf), (3600.0, 3600.25, 0.01), (-2.0, -1.0, 1e-3), (1.0, 1.0 + 1e-12, 5.0)]
@@ -56,6 +56,20 @@ def test_a_step_cut_short_by_an_edge_does_not_shorten_the_next(
     with jax.enable_x64(True):
         next_h = _next_length(jnp.asarray(0.3), jnp.asarray(tried), jnp.asarray(size), jnp.asarray(cut_short))
     assert float(next_h) == pytest.approx(expected, rel=1e-12)
+
+
+# A guard counts as fallen where it no longer is positive: that side of the zero, which lies at 0.3.
+def test_the_share_of_a_fall_through_zero_is_past_it() -> None:
+    def guard(share: Any) -> Any:
+        return jnp.cos(share + 0.5 * math.pi - 0.3)
+
+    with jax.enable_x64(True):
+        low, high = jnp.asarray(0.0), jnp.asarray(1.0)
+        share = float(fall_through_zero(guard, jnp.asarray(True), low, guard(low), high, guard(high)))
+        assert float(guard(share)) <= 0.0 and 0.3 <= share < 0.3 + 2.0 * SHARE_TOLERANCE
+        # Below zero at the low end already: it fell there, not at the high end.
+        there = fall_through_zero(guard, jnp.asarray(True), jnp.asarray(0.5), guard(0.5), high, guard(high))
+        assert float(there) == 0.5
 
 
 # Illinois method, Dowell & Jarratt (1971), BIT 11, 168-174: the value at an end that stays twice running is halved.

@@ -32,6 +32,7 @@ from studies.loop.whole.remaining import (
     explains,
     met,
     over_noise,
+    remembers,
     roughly_begun,
     slips,
     unexplained,
@@ -201,12 +202,20 @@ def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial 
 def _enough(setup: Setup, term: Trial) -> tuple[Trial, Fit] | None:
     """A coefficient with its fit on whole records, if it explains them and the swings.
 
-    Of one by which it is told but roughly how a swing begins, whole records alone have a say.
+    Of one by which it is told but roughly how a swing begins, whole records alone have a say; which impacts one that
+    remembers them remembers is asked first.
     """
-    if not begins_roughly(term) and over_noise(setup, term) > unexplained(setup):
+    if not _of_swings(setup, term) and not remembers(term):
         return None
     term, whole = remembering_all(setup, term, whole_fit(setup, term))
+    if not _of_swings(setup, term):
+        return None
     return (term, whole) if met(setup, whole, MISSED if by_chance(setup, term) else CLOSELY) else None
+
+
+def _of_swings(setup: Setup, term: Trial) -> bool:
+    """Whether a coefficient explains the swings, or leaves what they say of it to whole records."""
+    return begins_roughly(term) or over_noise(setup, term) <= unexplained(setup)
 
 
 def _nothing_is_left_of_swings(setup: Setup, opening: Round) -> bool:

@@ -16,7 +16,7 @@ from studies.loop.fits.linearising import ROBUST
 from studies.loop.observed.spread import furthest_moved
 from studies.loop.observed.windows import PEAK_OVER_NOISE, SIDE, Window
 from studies.loop.records.preparing import Setup
-from studies.loop.swings.learning import WITHIN
+from studies.loop.swings.learning import MEMORY, WITHIN
 from studies.loop.swings.trials import Trial
 
 MISSED_BY_FAR = 3.0
@@ -109,14 +109,21 @@ def explains(setup: Setup, trial: Trial, whole: Fit) -> bool:
 PLAY = f"{LearnedReading.name}.play"
 """Of the linkage of a rotation sensor."""
 
+REMEMBERED = frozenset(f"{MEMORY}.{name}" for name in ("first", "recent"))
+"""Of a restitution with a memory what depends on which impacts count, but for wear: use is counted from records."""
+
+LEAST_SPEED = f"{MEMORY}.least_speed"
+"""Of the impacts that count: 0 where all of them do, also those that no record shows."""
+
 
 def roughly_begun(setup: Setup, trial: Trial, whole: Fit) -> bool:
-    """Whether what swings leave is that of how they begin, on a floor that gives or behind a sensor with play.
+    """Whether what swings leave is that of how they begin.
 
     How the floor gave before a swing began no rotation shows, and it is carried over but roughly, as is how a mass
-    within was moving; where in its gap a linkage was is told from the first samples, on a still base. Whole records
-    hold the same samples and begin from a lean or from rest, of which nothing is unknown: where these are met closely,
-    what is left of swings says nothing.
+    within was moving; where in its gap a linkage was is told from the first samples, on a still base; how many impacts
+    went before is counted from those that a record shows, where all of them are remembered. Whole records hold the same
+    samples and begin from a lean or from rest, of which nothing is unknown: where these are met closely, what is left
+    of swings says nothing.
     """
     return begins_roughly(trial) and setup.by_rotation and whole.rms < CLOSELY
 
@@ -124,7 +131,13 @@ def roughly_begun(setup: Setup, trial: Trial, whole: Fit) -> bool:
 def begins_roughly(trial: Trial) -> bool:
     """Whether it is told but roughly how a swing begins."""
     within = any(effect in WITHIN for effect in trial.effects)
-    return trial.costly or within or any(p.name == PLAY for part in trial.parts for p in part.parameters)
+    every = remembers(trial) and trial.swing.model.get(LEAST_SPEED) == 0.0
+    return trial.costly or within or every or any(p.name == PLAY for part in trial.parts for p in part.parameters)
+
+
+def remembers(trial: Trial) -> bool:
+    """Whether its restitution hangs on which of the impacts before count."""
+    return any(p.name in REMEMBERED for p in trial.parameters)
 
 
 def missed(whole: Fit) -> bool:

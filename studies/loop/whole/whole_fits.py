@@ -50,14 +50,19 @@ def whole_fit(setup: Setup, trial: Trial, weights_of: Fit | None = None) -> Fit:
 
     weights_of: a fit on whole records whose standard deviations are used; own ones if not given.
     """
+    leans, full = leans_and_all(setup, trial, weights_of)
+    return full if full.chi2 < leans.chi2 and borne(setup, trial, full) else leans
+
+
+def leans_and_all(setup: Setup, trial: Trial, weights_of: Fit | None = None) -> tuple[Fit, Fit]:
+    """The leans of whole records fitted alone, and everything, whatever swings say of it."""
     model = trial.swing.model
     if weights_of is None:
         windows = weighed_under(setup, model, setup.whole)
     else:
         windows = [replace(w, sd=o.sd) for w, o in zip(setup.whole, weights_of.windows, strict=True)]
     leans = fit_records(setup.simulator, model, [], windows, iterations=4)
-    full = drawn_out(setup, trial, leans) if trial.costly else all_at_once(setup, trial, leans)
-    return full if full.chi2 < leans.chi2 and borne(setup, trial, full) else leans
+    return leans, drawn_out(setup, trial, leans) if trial.costly else all_at_once(setup, trial, leans)
 
 
 def whole_fit_from_many(setup: Setup, trial: Trial, weights_of: Fit, effects: Collection[str] | None = None) -> Fit:

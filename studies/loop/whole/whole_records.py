@@ -18,16 +18,23 @@ from numpy.typing import NDArray
 from studies.loop.fits.estimating import sensor_covariance
 from studies.loop.fits.fitting import Fit, fit, fit_records
 from studies.loop.models.candidates import Candidate
-from studies.loop.models.model import DRIFT, FADING
+from studies.loop.models.model import DRIFT, FADING, LoopModel
 from studies.loop.models.parameters import Parameter
 from studies.loop.records.preparing import Setup
 from studies.loop.records.scoring import errors
-from studies.loop.swings.learning import MEMORY
 from studies.loop.swings.trials import PAYS, Round, Trial, bic
-from studies.loop.whole.remaining import CLOSELY
+from studies.loop.whole.remaining import CLOSELY, LEAST_SPEED, remembers
 from studies.loop.whole.rivals import TWIN, Rival
 from studies.loop.whole.settling import counted_together, predictable
-from studies.loop.whole.whole_fits import gain, neighbours, reweighed, weighed_under, where_told, whole_fit
+from studies.loop.whole.whole_fits import (
+    gain,
+    leans_and_all,
+    neighbours,
+    reweighed,
+    weighed_under,
+    where_told,
+    whole_fit,
+)
 
 LEAST_OF_A_SCAN = 0.15
 """Share by which an effect that whole records alone show has to lower their rms: their sums of squares are rugged."""
@@ -54,9 +61,6 @@ values may hit by chance."""
 
 TELLING = 3
 """Records on which the starts are compared."""
-
-REMEMBERED = frozenset(f"{MEMORY}.{name}" for name in ("first", "recent"))
-"""Of a restitution with a memory what depends on which impacts count, but for wear: use is counted from records."""
 
 LIKELY = 1.0 / 3.0
 """Share of the scanned values that are judged under what base noise does there: those whose runs come nearest."""
@@ -141,16 +145,20 @@ def explains_more(setup: Setup, found: Fit, other: Fit) -> bool:
 def remembering_all(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit]:
     """The trial and its fit on whole records; of one that remembers impacts, all of them, where these prefer that.
 
-    No record shows those that are too slow to end a swing, so that swings do not tell whether they count.
+    No record shows those that are too slow to end a swing: swings do not tell whether they count, and where they do,
+    what swings say of how long impacts are remembered is far off.  Whole records are fitted twice in a row then.
     """
-    least = f"{MEMORY}.least_speed"
-    if not setup.by_rotation or not any(p.name in REMEMBERED for p in trial.parameters):
+    if not setup.by_rotation or not remembers(trial) or trial.swing.model.get(LEAST_SPEED) == 0.0:
         return trial, whole
-    if trial.swing.model.get(least) == 0.0:
-        return trial, whole
-    every = replace(trial, swing=replace(trial.swing, model=trial.swing.model.changed({least: 0.0})))
-    there = whole_fit(setup, every)
-    return (every, there) if explains_more(setup, there, whole) else (trial, whole)
+    every = _from(trial, trial.swing.model.changed({LEAST_SPEED: 0.0}))
+    _, first = leans_and_all(setup, every)
+    there = whole_fit(setup, _from(every, first.model))
+    return (_from(trial, there.model), there) if explains_more(setup, there, whole) else (trial, whole)
+
+
+def _from(trial: Trial, model: LoopModel) -> Trial:
+    """The trial with a model that is not that of its swings, for fits of whole records to begin from."""
+    return replace(trial, swing=replace(trial.swing, model=model))
 
 
 def scan(setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate]) -> tuple[Rival, ...]:

@@ -8,14 +8,15 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from excitation import OneSinePulse
-from rocking import Block, Method1, solve
+from rocking import Block, Method1, scalars, solve
 from rocking.downward_floor import BlockOnDownwardFloor
 from rocking.effects import compose, parse
-from rocking.hybrid import Mode
+from rocking.hybrid import Base, Discrete, Mode
 
 G = 9.80665
 SMALL = Block(b=0.15, h=0.50, d=0.25)  # Block 3 of Winkler, Meguro & Yamazaki (1995), Table 1
 SHAKEN = OneSinePulse(4.0, 4.0)
+STILL = Base(0.0, 0.0)
 
 
 def texts(k: float, xi: float, *more: str) -> list[str]:
@@ -69,6 +70,19 @@ def test_the_rotation_is_that_of_lagranges_equations(
     theirs = lagrange(k, xi, offset, (y[1], y[2], y[4], y[5]), shaken, t)
     assert np.max(np.abs(theirs)) > 0.05
     np.testing.assert_allclose(ours.theta, theirs, rtol=0.0, atol=1e-6)
+
+
+# It is located where the block turns; how fast it sinks is no matter.
+@pytest.mark.parametrize(("v", "omega", "located"), [(0.0, 0.5, True), (0.0, -0.5, True), (0.3, 0.0, False)])
+def test_a_block_that_turns_through_upright_is_seen_to(v: float, omega: float, located: bool) -> None:
+    system = compose(Method1(SMALL), parse(texts(1e6, 0.1)))
+    y, q = system.initial_state()
+    theta = -math.copysign(1e-5, omega)
+    state = (y[0], y[1], theta, 0.0, v, omega, *y[6:])
+    *_, upright = system.guards(
+        scalars, state, Discrete(q.mode, q.s, math.copysign(1.0, theta)), STILL, system.parameters
+    )
+    assert upright == (pytest.approx(1e-5) if located else 1.0)
 
 
 @pytest.mark.parametrize("bed", ["compliant_base.spread=0.0", "compliant_base.spread=1.0"])

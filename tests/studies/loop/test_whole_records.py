@@ -19,9 +19,11 @@ from studies.loop.models.candidates import candidates
 from studies.loop.models.model import LoopModel
 from studies.loop.records.preparing import as_declared, prepare
 from studies.loop.search import searching
+from studies.loop.swings.learning import by_itself
 from studies.loop.swings.tracing import all_candidates, baseline, search
 from studies.loop.swings.trials import Round, Trial
 from studies.loop.whole import whole_records
+from studies.loop.whole.remaining import over_noise, roughly_begun, structure
 from studies.loop.whole.rivals import Rival
 from studies.loop.whole.settling import intervals, predictable, settle
 from studies.loop.whole.whole_fits import gain, whole_fit
@@ -92,20 +94,46 @@ def test_whole_records_say_whether_impacts_count_that_no_record_shows(
     trial = Trial((effect,), (part,), Fit(model, own, (), 3400.0, 1.0, 3400, True, ()))
     asked = []
 
-    def whole_fit(setup, one):
+    def leans_and_all(setup, one):
         asked.append(one.swing.model.get("learned_memory.least_speed"))
-        return SimpleNamespace(rms=all_of_them)
+        return None, SimpleNamespace(model=one.swing.model.changed({"learned_memory.recent": -0.12}))
 
+    def whole_fit(setup, one):
+        # Swings that do not know of all impacts are far off: a fit of whole records begins from another one.
+        assert one.swing.model.get("learned_memory.recent") == -0.12
+        return SimpleNamespace(rms=all_of_them, model=one.swing.model.changed({"learned_memory.recent": -0.13}))
+
+    monkeypatch.setattr(whole_records, "leans_and_all", leans_and_all)
     monkeypatch.setattr(whole_records, "whole_fit", whole_fit)
     monkeypatch.setattr(whole_records, "explains_more", lambda setup, one, other: one.rms < other.rms)
     whole = SimpleNamespace(rms=6.6)
     found, its_whole = whole_records.remembering_all(SimpleNamespace(by_rotation=True), trial, whole)
     assert found.swing.model.get("learned_memory.least_speed") == ends
+    assert found.swing.model.get("learned_memory.recent") == (-0.1 if ends == least else -0.13)
     assert (its_whole is whole) is (ends == least) and asked in ([], [0.0])
     # Accelerometers hang too finely on when the side changes.
     assert whole_records.remembering_all(SimpleNamespace(by_rotation=False), trial, whole) == (trial, whole)
     # Swings are those that records show: nothing of them changes.
     assert found.swing.chi2 == trial.swing.chi2 and found.names == trial.names
+
+
+@pytest.mark.slow
+def test_impacts_before_the_first_swing_that_a_record_shows_are_counted(tmp_path):
+    """A restitution lower by 0.028 exp(-n/4), n impacts before: many of them are too slow to be seen in ramps.
+
+    Swings that count those that are seen say 2.5 impacts and leave structure, of which whole records say 4.
+    """
+    make_campaign(94001, ["bedding_in"], tmp_path)
+    campaign = read(tmp_path / "campaign")
+    setup = prepare(campaign, as_declared(campaign, G))
+    plain = baseline(setup.simulator, setup.start, setup.swings)
+    pool = [c for c in by_itself(setup.simulator, plain) if "first impacts" in c.name]
+    term = search(setup.simulator, plain, pool, lambda text: None, leading=True).best
+    assert term.swing.values["learned_memory.first_impacts"] < 3.0 and over_noise(setup, term) > structure(setup)
+    found, whole = searching._enough(setup, term)
+    assert whole.rms < 1.05 and found.swing.model.get("learned_memory.least_speed") == 0.0
+    assert whole.model.get("learned_memory.first_impacts") == pytest.approx(4.0, rel=0.02)
+    assert roughly_begun(setup, found, whole) and not roughly_begun(setup, term, whole)
 
 
 @pytest.mark.slow
