@@ -1,13 +1,14 @@
 """A block held by something that yields or creeps: Method 1 with effects, with one more state, the strain z.
 
-    z' = omega - |omega| z / width - z / time,      torque on the block -stiffness z
+    z' = omega - |omega| (z / width) |z / width|^(n - 1) - z / time,      torque on the block -stiffness z
 
-A spring in rotation that slips once it is strained by about its width (Dahl's friction), that relaxes in some time
-(Maxwell's element), or both.  It holds a block at rest as well.
+A spring in rotation that slips once it is strained by about its width (Dahl's friction), the more suddenly the greater
+n is, that relaxes in some time (Maxwell's element), or both.  It holds a block at rest as well.
 
-Source   Dahl (1968), A solid friction model, TOR-0158(3107-18)-1, The Aerospace Corporation; Maxwell (1867),
-         Phil. Trans. R. Soc. 157, 49-88.
-Status   Dahl's curve, the equation by another integrator, the elastic limit and what it holds at rest (tests).
+Source   Dahl (1968), A solid friction model, TOR-0158(3107-18)-1, The Aerospace Corporation, n = 1; Wen (1976), J. Eng.
+         Mech. Div. ASCE 102, 249-263, of any n; Maxwell (1867), Phil. Trans. R. Soc. 157, 49-88.
+Status   Dahl's curve, that of n = 2, the equation by another integrator, the elastic limit and what it holds at rest
+         (tests).
 """
 
 from __future__ import annotations
@@ -41,7 +42,15 @@ class Parameters(NamedTuple):
     stiffness: float  # torque over mass [m^2/s^2] for each rad of strain
     per_width: float  # [1/rad], 0 where it never slips
     per_time: float  # [1/s], 0 where it never relaxes
+    sharper: float  # n - 1 [1]
     hooks: Any
+
+
+NEXT_TO_NOTHING = 1e-30
+"""Of a strain over the width, so that its powers have a slope at nothing too."""
+
+ALL_BUT = 1.0 - 1e-15
+"""Strain over the width that counts as the most there is."""
 
 
 def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Any) -> tuple[Any, ...]:
@@ -51,7 +60,8 @@ def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Any) -> tuple[Any, ...]:
     total = q.s * rigid + M * added(theta, omega, q.s, base, par) - par.stiffness * strain
     rotating = xp.where(q.mode == ROTATION, 1.0, 0.0)
     turning = rotating * omega
-    return turning, rotating * total / M, turning - (xp.abs(turning) * par.per_width + par.per_time) * strain
+    slips = par.per_width * (xp.abs(strain) * par.per_width + NEXT_TO_NOTHING) ** par.sharper
+    return turning, rotating * total / M, turning - (xp.abs(turning) * slips + par.per_time) * strain
 
 
 def guards(xp: Any, y: Any, q: Discrete, base: Base, par: Any) -> tuple[Any, ...]:
@@ -75,6 +85,7 @@ class HystereticBlock(OnRigidBlock):
         per_width: one over the strain at which it slips [1/rad], 0 or more.
         per_time: one over the time in which it relaxes [1/s], 0 or more.
         strained: share of the strain of a slow pull to the lean from which a block is let go that is there then [1].
+        exponent: n, how suddenly it slips [1], 1 or more.
 
     Raises:
         ValueError: a number is out of its range.
@@ -85,6 +96,7 @@ class HystereticBlock(OnRigidBlock):
     per_width: float
     per_time: float
     strained: float
+    exponent: float = 1.0
 
     name = "method1"
     state_names = ("theta", "omega", "strain")
@@ -102,13 +114,14 @@ class HystereticBlock(OnRigidBlock):
         within("per_width", self.per_width, 0.0, math.inf)
         within("per_time", self.per_time, 0.0, math.inf)
         within("strained", self.strained, 0.0, 1.0)
+        within("exponent", self.exponent, 1.0, math.inf)
 
     @cached_property
     def parameters(self) -> Parameters:
         """The numbers that the equations take."""
         return Parameters(
             **self.rigid.parameters._asdict(), stiffness=self.stiffness / self.rigid.form.mass,
-            per_width=float(self.per_width), per_time=float(self.per_time),
+            per_width=float(self.per_width), per_time=float(self.per_time), sharper=float(self.exponent) - 1.0,
         )  # fmt: skip
 
     def initial_state(
@@ -122,10 +135,28 @@ class HystereticBlock(OnRigidBlock):
         """
         y, q = self.rigid.initial_state(theta, omega)
         if strain is None:
-            pulled = -math.expm1(-abs(theta) * self.per_width) / self.per_width if self.per_width else abs(theta)
+            pulled = abs(theta)
+            if self.per_width:
+                pulled = _pulled(pulled * self.per_width, self.exponent) / self.per_width
             strain = self.strained * math.copysign(pulled, theta)
         return (*y, float(strain)), q
 
     def anchor(self, y: Any, rate: Any, s: Any) -> Anchor:
         """The centre of the edge on which the block rolls."""
         return self.rigid.anchor(y, rate, s)
+
+
+def _pulled(turned: float, n: float) -> float:
+    """Strain after a slow pull from none by `turned`, both over the width: dz/dx = 1 - z^n.
+
+    So x = z F(1, 1/n; 1 + 1/n; z^n), F Gauss's hypergeometric function: 1 - exp(-x) for n = 1, tanh(x) for n = 2.
+    """
+    if n == 1.0:
+        return -math.expm1(-turned)
+    from scipy.optimize import brentq  # here, since few need them and they take long to import
+    from scipy.special import hyp2f1
+
+    def excess(z: float) -> float:
+        return float(z * hyp2f1(1.0, 1.0 / n, 1.0 + 1.0 / n, z**n)) - turned
+
+    return ALL_BUT if excess(ALL_BUT) <= 0.0 else float(brentq(excess, 0.0, ALL_BUT, xtol=1e-15, rtol=1e-14))

@@ -75,11 +75,14 @@ def loop(model: LoopModel, reach: float) -> Array:
     t = np.linspace(0.0, CYCLES * 2.0 * math.pi / p, (POINTS - 1) * STEPS + 1)
     step, z = t[1], 0.0
     strain = [z]
+
+    def after(omega: float, step: float, at: float) -> float:
+        # Exact for a constant speed and an exponent of one.
+        rate = abs(omega) * par.per_width * (abs(at) * par.per_width) ** par.sharper + par.per_time
+        return z + (omega - rate * z) * (-math.expm1(-rate * step) / rate if rate > 0.0 else step)
+
     for omega in reach * p * np.cos(p * (t[:-1] + 0.5 * step)):
-        rate = abs(omega) * par.per_width + par.per_time
-        # Exact for a constant speed.
-        share = -math.expm1(-rate * step) / rate if rate > 0.0 else step
-        z += (omega - rate * z) * share
+        z = after(omega, step, after(omega, 0.5 * step, z))
         strain.append(z)
     return -par.stiffness * np.array(strain)[::STEPS] / system.rigid.form.angular_inertia(1.0)
 

@@ -104,6 +104,9 @@ WEARS = (0.1, 1.0)
 WIDTHS = (0.02, 0.1, 0.5)
 """Strains over the slenderness angle at which something may slip."""
 
+SHARPEST = 10.0
+"""Exponent beyond which a slip is sudden."""
+
 TIMES = (0.1, 0.5, 2.0)
 """Times over 1/p in which something may relax."""
 
@@ -294,14 +297,19 @@ def inner(block: DeclaredBlock, released: bool) -> tuple[Candidate, ...]:
         tuple({size: 0.005, height: 1.0, frequency: share * p / (2.0 * math.pi), damping: 0.1} for share in MODES),
         {}, smooth=False, scouts=(size,),
     )  # fmt: skip
-    size, width, time, strained = (f"{HYSTERESIS}.{name}" for name in ("stiffness", "width", "time", "strained"))
+    size, width, time, strained, exponent = (
+        f"{HYSTERESIS}.{name}" for name in ("stiffness", "width", "time", "strained", "exponent")
+    )
     held = Parameter(size, 0.01 * moment, 0.0, 100.0 * moment)
     pulled = (Parameter(strained, 0.3, 0.0, 1.0),) if released else ()
     half = {strained: 0.5} if released else {}
     slipping = Candidate(
         "learned[hysteresis]", HYSTERESIS,
-        (held, Parameter(width, 0.3, 1e-4 * alpha, 10.0 * alpha, log=True), *pulled),
-        tuple({size: 0.02 * moment, width: share * alpha, **half} for share in WIDTHS),
+        (
+            held, Parameter(width, 0.3, 1e-4 * alpha, 10.0 * alpha, log=True),
+            Parameter(exponent, 0.3, 1.0, SHARPEST, log=True), *pulled,
+        ),
+        tuple({size: 0.02 * moment, width: share * alpha, exponent: 1.5, **half} for share in WIDTHS),
         {}, smooth=False, scouts=(size,),
     )  # fmt: skip
     creeping = Candidate(

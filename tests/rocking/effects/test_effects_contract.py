@@ -66,7 +66,7 @@ PRESENT: dict[str, dict[str, float]] = {
         "intervals": 3.0,
         **{f"friction_{j}": value for j, value in enumerate((-0.1, 0.05, -0.04, -0.08))},
     },
-    "learned_hysteresis": {"stiffness": 30.0, "width": 0.05, "time": 0.7, "strained": 0.5},
+    "learned_hysteresis": {"stiffness": 30.0, "width": 0.05, "time": 0.7, "strained": 0.5, "exponent": 1.6},
     "learned_memory": {
         "first": -0.05,
         "first_impacts": 3.0,

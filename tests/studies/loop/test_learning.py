@@ -21,6 +21,7 @@ from rocking.remembering import LONG_AGO
 from studies.campaigns import Channel, DeclaredBlock, Test
 from studies.laboratory import event, table
 from studies.laboratory.parameters import G, World, uniform
+from studies.loop.fits.estimating import sensor_covariance
 from studies.loop.models.model import LoopModel
 from studies.loop.observed.observing import jobs_of
 from studies.loop.observed.windows import Window, in_order, record_of, swing_windows
@@ -330,10 +331,15 @@ def test_a_heavy_mode_is_found_wherever_it_lies_between_the_frequencies_tried() 
 
 @pytest.mark.slow
 def test_a_layer_that_slips_is_learned_as_hysteresis() -> None:
-    """A spring that slips at 0.05 rad by another law than the one learned (Bouc's, with the square)."""
-    found = first_learned(replace(IDEAL, layer=0.06 * MASS * G * math.hypot(0.1, 0.3), layer_width=0.05))
+    """A spring that slips at 0.05 rad by Bouc's law with the square: an exponent of two."""
+    world = replace(IDEAL, layer=0.06 * MASS * G * math.hypot(0.1, 0.3), layer_width=0.05)
+    found = first_learned(world)
     assert found.names == ("learned[hysteresis]",)
-    assert found.swing.model.effects["learned_hysteresis"]["width"] == pytest.approx(0.05, rel=0.5)
+    assert found.swing.model.effects["learned_hysteresis"]["width"] == pytest.approx(0.05, rel=0.1)
+    names = [p.name for p in found.swing.parameters]
+    place = names.index("learned_hysteresis.exponent")
+    sd = math.sqrt(sensor_covariance(decays(world)[0], found.swing)[place, place])
+    assert abs(found.swing.values["learned_hysteresis.exponent"] - 2.0) < 3.0 * sd < 2.0
 
 
 @pytest.mark.slow
@@ -462,7 +468,7 @@ def test_what_may_be_learned_is_nothing_at_first() -> None:
 
 INSIDE = {
     "learned_mode": {"mass_ratio": 0.03, "height_ratio": 1.2, "frequency": 1.7, "damping_ratio": 0.02},
-    "learned_hysteresis": {"stiffness": 10.0, "width": 0.04, "time": 2.0, "strained": 0.5},
+    "learned_hysteresis": {"stiffness": 10.0, "width": 0.04, "time": 2.0, "strained": 0.5, "exponent": 1.6},
 }
 
 

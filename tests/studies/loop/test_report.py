@@ -357,6 +357,15 @@ def test_a_learned_hysteresis_is_drawn_as_a_loop():
     values |= {"learned_hysteresis.strained": 0.5}
     [same] = retold(values, np.diag([16.0, 0.0, math.inf])).learned
     np.testing.assert_allclose(same.high, curve.high, rtol=1e-12)
+    # With an exponent of two it goes as tanh.
+    values = {
+        "learned_hysteresis.stiffness": 40.0,
+        "learned_hysteresis.width": 0.03,
+        "learned_hysteresis.exponent": 2.0,
+    }
+    [curve] = retold(values, np.diag([16.0, 0.0, 0.0])).learned
+    expected = -40.0 / finding.setup.campaign.block.I_O * 0.03 * np.tanh(curve.x[first] / 0.03)
+    np.testing.assert_allclose(curve.y[first], expected, rtol=0.0, atol=1e-4 * np.abs(expected).max())
 
 
 def test_what_a_sensor_adds_is_drawn_over_the_rotation():
