@@ -21,7 +21,7 @@ from .effects import NAMED, SPOKEN, TWINS, UNNAMED, Draw, Lab, draw
 from .instruments import Bench, reading, record, without_response
 from .parameters import housner, uniform
 from .plans import LEAN_NOISE, Plan, check_together, falls, forced, free, respond, used
-from .prediction import calibrated, errors, predicted, rms
+from .prediction import calibrated, errors, predicted, predicted_accelerations, rms, rms_of_accelerations
 from .table import Table
 from .truth import Truth
 
@@ -195,6 +195,19 @@ def score(lab: Lab, plans: Sequence[Plan], tests: Sequence[Test], hidden: dict[s
     return float(np.median(scores))
 
 
+def score_of_accelerations(
+    lab: Lab, plans: Sequence[Plan], tests: Sequence[Test], hidden: dict[str, dict[str, np.ndarray]], bench: Bench
+) -> float:
+    """The same in the accelerometers on the block [m/s^2], mounted as they truly are."""
+    pairs = zip(plans, tests, strict=True)
+    return float(np.median([
+        rms_of_accelerations(
+            predicted_accelerations(lab, t, t.initial_rotation or 0.0, p.order, bench), hidden[p.id]
+        )
+        for p, t in pairs
+    ]))  # fmt: skip
+
+
 def _check_asked(effects: Sequence[str], channel: str, nuisances: Sequence[str], engine: str) -> None:
     """Raise ValueError where an effect or nuisance is not there, or no laboratory has what is asked for together."""
     for given, known in ((effects, NAMED | UNNAMED), (nuisances, NUISANCES)):
@@ -276,6 +289,9 @@ def make_campaign(
     title = f"Block of {block.height:g} m, free and forced tests, series {seed}"
     for part, done in (("campaign", tests), ("predict", [without_response(t) for t in later])):
         write(Campaign(title, block, conditions, bench.channels, tuple(done)), Path(folder) / part)
+    if channel == "block_acceleration":
+        parts = (("floor", lab), ("baseline", model))
+        scores = {name: score_of_accelerations(one, ahead, later, hidden, bench) for name, one in parts}
     noise = next(c.noise for c in bench.channels if c.is_response) or 0.0
     truth = Truth(
         name=label,

@@ -67,6 +67,19 @@ def _in_block(vector: Array, c: Array, s: Array) -> Array:
     return np.stack([vector[:, 0] * c - vector[:, 1] * s, vector[:, 0] * s + vector[:, 1] * c], axis=1)
 
 
+def acceleration(lab: Lab, response: Response, felt: Array, channel: Channel, bench: Bench) -> Array:
+    """What an accelerometer on the block reads [m/s^2], mounted as it truly is, shape (time,).
+
+    felt: pieces of what the floor does.
+    """
+    assert channel.position is not None
+    total = point_acceleration(lab, response, felt, channel.position)
+    turned = bench.mounting[channel.name]
+    dx, dz = channel.axis
+    axis = np.array([dx * np.cos(turned) + dz * np.sin(turned), -dx * np.sin(turned) + dz * np.cos(turned)])
+    return np.asarray(total @ axis)
+
+
 def reading(lab: Lab, plan: Plan, response: Response, channel: Channel, bench: Bench) -> Array | None:
     """Noise-free samples of a channel; None where a test has none (a free test has no base channel)."""
     if channel.kind == "rotation":
@@ -75,12 +88,7 @@ def reading(lab: Lab, plan: Plan, response: Response, channel: Channel, bench: B
         # What the air does moves the block, not the floor.
         floor = replace(lab.table, gusts=())
         felt = felt_by_motion(plan.motion, 0.5 / plan.rate, 2 * plan.samples - 1, floor)
-        assert channel.position is not None
-        total = point_acceleration(lab, response, felt, channel.position)
-        turned = bench.mounting[channel.name]
-        dx, dz = channel.axis
-        axis = np.array([dx * np.cos(turned) + dz * np.sin(turned), -dx * np.sin(turned) + dz * np.cos(turned)])
-        return total @ axis
+        return acceleration(lab, response, felt, channel, bench)
     if plan.motion is None:
         return None
     below = replace(lab.table, plate_frequency=math.inf, gusts=())

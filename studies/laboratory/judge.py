@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from .prediction import rms
+from .prediction import rms, rms_of_accelerations
 from .truth import Truth
 
 VERDICTS = ("effect", "none", "unexplained")
@@ -79,10 +79,7 @@ def predicted_errors(folder: Path, truth: Truth) -> dict[str, float]:
         if truth.channel == "rotation":
             errors[id] = rms(model["rotation"], true["rotation"])
             continue
-        names = [k for k in true if k not in ("time", "rotation")]
-        upright = np.isfinite(true["rotation"]) & (np.abs(np.nan_to_num(true["rotation"])) < 1.0)
-        squares = [np.nanmean((model[k] - true[k])[upright] ** 2) for k in names]
-        errors[id] = float(np.sqrt(np.mean(squares)))
+        errors[id] = rms_of_accelerations(model, true)
     return errors
 
 
@@ -131,8 +128,7 @@ def judge(loop_dir: Path, truth: Truth, predict: Path | None = None, baseline: P
     traced = tracing(found["effects"], found["indistinguishable"], truth)
     if truth.effects and not any(truth.accepted) and found["verdict"] not in truth.verdicts:
         traced = "no"  # nothing to name, but something to see
-    # The floor is one of rotation; what it is in the channel of accelerometers was not worked out.
-    true_floor = None if truth.channel == "block_acceleration" else truth.floor.get("predict")
+    true_floor = truth.floor.get("predict")
     return {
         "name": truth.name,
         "truth": "+".join(truth.effects),

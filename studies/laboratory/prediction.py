@@ -6,7 +6,7 @@ and the lean only as set.  With the ideal laboratory and its best restitution it
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +16,8 @@ from scipy.optimize import minimize_scalar
 from studies.campaigns import Test
 
 from .effects import Lab
+from .event import Response
+from .instruments import Bench, acceleration
 from .plans import ENGINES, worn
 from .table import felt_by_record
 
@@ -44,11 +46,23 @@ def felt(lab: Lab, test: Test) -> Array:
     return felt_by_record(h, ax, az, lab.table)
 
 
+def response(lab: Lab, test: Test, lean: float, order: int = 0, pieces: Array | None = None) -> Response:
+    """What the block does on the floor that the record tells of."""
+    pieces = felt(lab, test) if pieces is None else pieces
+    return ENGINES[lab.engine](worn(lab, order).world, pieces, 0.5 * test.time_step, 2, lean)
+
+
 def predicted(lab: Lab, test: Test, lean: float, order: int = 0, pieces: Array | None = None) -> Array:
     """Rotation as recorded (gain and offset of its sensor included), shape (time,); NaN after a fall."""
-    pieces = felt(lab, test) if pieces is None else pieces
-    theta = ENGINES[lab.engine](worn(lab, order).world, pieces, 0.5 * test.time_step, 2, lean).rotation
-    return lab.sensors.reads(theta)
+    return lab.sensors.reads(response(lab, test, lean, order, pieces).rotation)
+
+
+def predicted_accelerations(lab: Lab, test: Test, lean: float, order: int, bench: Bench) -> dict[str, Array]:
+    """What the accelerometers on the block read [m/s^2], by channel, shape (time,) each; NaN after a fall."""
+    moved = response(lab, test, lean, order)
+    floor = felt(replace(lab, table=replace(lab.table, gusts=())), test)  # what the air does moves the block alone
+    sensors = (channel for channel in bench.channels if channel.kind == "block_acceleration")
+    return {channel.name: acceleration(lab, moved, floor, channel, bench) for channel in sensors}
 
 
 def rms(model: Array, measured: Array) -> float:
@@ -61,6 +75,13 @@ def rms(model: Array, measured: Array) -> float:
         model[gone[0] :] = 0.5 * np.pi * np.sign(model[max(0, gone[0] - 1)] or 1.0)
     difference = (model - measured)[:end]
     return float(np.sqrt(np.nanmean(difference**2)))
+
+
+def rms_of_accelerations(model: Mapping[str, Array], true: Mapping[str, Array]) -> float:
+    """RMS [m/s^2] over the channels of what is true, but for its time and rotation, while the block has not fallen."""
+    names = [name for name in true if name not in ("time", "rotation")]
+    upright = np.isfinite(true["rotation"]) & (np.abs(np.nan_to_num(true["rotation"])) < FALLEN)
+    return float(np.sqrt(np.mean([np.nanmean((model[name] - true[name])[upright] ** 2) for name in names])))
 
 
 def fitted_lean(lab: Lab, test: Test, order: int = 0) -> float:

@@ -18,9 +18,9 @@ class Truth:
     """The hidden side of a campaign.
 
     `accepted` lists the sets of effects that count as traced; `parameters` maps "effect.name" to its true value;
-    `floor` and `baseline` are median RMS errors of rotation (or shares of wrong outcomes) over the tests of the
-    campaign ("fit") and over those to predict ("predict", against noise-free truth), `hidden` the noise-free responses
-    by test to predict, shape (time,).
+    `floor` and `baseline` are median RMS errors over the tests of the campaign ("fit", of rotation) and over those to
+    predict ("predict", of the campaign's own channel, against noise-free truth), or shares of wrong outcomes; `hidden`
+    the noise-free responses by test to predict, shape (time,).
     """
 
     name: str

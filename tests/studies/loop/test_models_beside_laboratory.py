@@ -7,16 +7,20 @@ What gives or slips is left out: there the two have laws of contact of their own
 from __future__ import annotations
 
 from collections import defaultdict
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from studies.campaigns import Channel, DeclaredBlock, Test
+from studies.campaigns import Channel, DeclaredBlock, Test, read
+from studies.laboratory.campaign import make_campaign
 from studies.laboratory.effects import NAMED, Draw, Lab
 from studies.laboratory.parameters import uniform
 from studies.laboratory.plans import Plan, respond
 from studies.laboratory.table import Motion, quake, ramp
 from studies.loop.models.model import LoopModel
+from studies.loop.observed.instruments import accelerations
+from studies.loop.prediction import predict
 from studies.loop.runs.simulation import Job, Simulator
 
 BLOCK, RESTITUTION, RATE, NOISE, G = DeclaredBlock(0.2, 0.7, 0.3, 30.0), 0.92, 250.0, 0.004, 9.80665
@@ -63,3 +67,20 @@ def test_a_model_with_the_true_parameters_does_what_the_laboratory_does(effect: 
         assert np.abs(theirs).max() > 0.01
         off = float(np.sqrt(np.mean((simulator.recorded(model, 0, answer.theta) - theirs) ** 2)))
         assert off < (QUIET if (effect, kind) in OF_THE_RECORD else 0.1 * QUIET), id
+
+
+def test_the_floor_of_accelerometers_is_what_a_model_with_the_true_parameters_scores_there(tmp_path: Path) -> None:
+    """From the recorded base and the leans as they were set, in their own channel; the median of four tests."""
+    truth = make_campaign(4, ["viscous_damping"], tmp_path, channel="block_acceleration")
+    campaign = read(tmp_path / "predict" / "campaign.toml")
+    given = {"viscous_damping": {"coefficient": truth.parameters["viscous_damping.coefficient"]}}
+    model = LoopModel(campaign.block, truth.restitution, given, G, mountings=truth.about["mounting"])
+    simulator = Simulator(campaign.tests)
+    scores = []
+    for k, (test, answer) in enumerate(zip(campaign.tests, predict(model, campaign, simulator), strict=True)):
+        sensors = [channel for channel in campaign.channels if channel.kind == "block_acceleration"]
+        off = [accelerations(model, simulator, k, answer, c) - truth.hidden[test.id][c.name] for c in sensors]
+        scores.append(float(np.sqrt(np.mean(np.square(off)))))
+    assert len(sensors) == 3 and min(scores) > 0.0
+    assert float(np.median(scores)) == pytest.approx(truth.floor["predict"], rel=1e-3)
+    assert truth.baseline["predict"] > truth.floor["predict"]
