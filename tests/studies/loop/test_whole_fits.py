@@ -90,6 +90,9 @@ def test_the_best_of_many_starts_is_taken_and_a_floor_has_one(monkeypatch: pytes
         # And how a mass within was moving when a swing began.
         ("learned_mode", 1.05, True),
         ("learned_mode", 1.2, False),
+        # And how many impacts went before one, where all are remembered that are too slow to show.
+        ("learned_memory", 1.05, True),
+        ("learned_memory", 1.2, False),
     ],
 )
 def test_what_swings_do_not_bear_is_taken_where_a_floor_meets_whole_records_closely(
@@ -106,7 +109,10 @@ def test_what_swings_do_not_bear_is_taken_where_a_floor_meets_whole_records_clos
     }.items():
         monkeypatch.setattr(whole_fits, name, stub)
     setup: Any = SimpleNamespace(simulator=None, by_rotation=True, whole=[])
-    trial: Any = Some(Swing("swings"), costly=effect == "a floor", effects=(effect,))
+    parameters = (SimpleNamespace(name="learned_memory.first"),) if effect == "learned_memory" else ()
+    swings = SimpleNamespace(get={"learned_memory.least_speed": 0.0}.get)
+    parts = (SimpleNamespace(parameters=parameters),)
+    trial: Any = Some(Swing(swings), parts, costly=effect == "a floor", effects=(effect,))
     assert whole_fits.whole_fit(setup, trial) is (full if taken else leans)
 
 
