@@ -137,7 +137,7 @@ def begins_roughly(trial: Trial) -> bool:
 
 def remembers(trial: Trial) -> bool:
     """Whether its restitution hangs on which of the impacts before count."""
-    return any(p.name in REMEMBERED for part in trial.parts for p in part.parameters)
+    return any(p.name in REMEMBERED for p in trial.parameters)
 
 
 def missed(whole: Fit) -> bool:

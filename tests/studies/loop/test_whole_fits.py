@@ -63,6 +63,10 @@ class Some:
     costly: bool = False
     effects: tuple[str, ...] = ()
 
+    @property
+    def parameters(self) -> tuple[Any, ...]:
+        return tuple(p for part in self.parts for p in part.parameters)
+
 
 def test_the_best_of_many_starts_is_taken_and_a_floor_has_one(monkeypatch: pytest.MonkeyPatch) -> None:
     parts = tuple(SimpleNamespace(parameters=(size, "other"), in_swings=seen) for size, seen in ((2, True), (5, False)))
