@@ -66,8 +66,13 @@ def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Any) -> tuple[Any, ...]:
     total = q.s * rigid + M * added(theta, omega, q.s, base, par) - par.stiffness * strain
     rotating = xp.where(q.mode == ROTATION, 1.0, 0.0)
     turning = rotating * omega
+    return turning, rotating * total / M, turning - yielding(xp, strain, turning, par) * strain
+
+
+def yielding(xp: Any, strain: Any, omega: Any, par: Any) -> Any:
+    """Rate [1/s] at which the strain is lost, by slip and by relaxation."""
     slips = par.per_width * (xp.abs(strain) * par.per_width + NEXT_TO_NOTHING) ** par.sharper
-    return turning, rotating * total / M, turning - (xp.abs(turning) * slips + par.per_time) * strain
+    return xp.abs(omega) * slips + par.per_time
 
 
 def guards(xp: Any, y: Any, q: Discrete, base: Base, par: Any) -> tuple[Any, ...]:
@@ -141,8 +146,8 @@ class HystereticBlock(OnRigidBlock):
         """
         y, q = self.rigid.initial_state(theta, omega)
         if strain is None:
-            pulled = abs(theta)
-            if self.per_width:
+            pulled = abs(theta) if self.strained else 0.0
+            if pulled and self.per_width:
                 pulled = _pulled(pulled * self.per_width, self.exponent) / self.per_width
             strain = self.strained * math.copysign(pulled, theta)
         return (*y, float(strain)), q

@@ -10,7 +10,7 @@ Use when    what is left depends on the way to a rotation and not on the rotatio
 Limits      one element; it goes with effects on form, flow and impact, and not with a floor that gives or other modes
 Source      Dahl (1968), TOR-0158(3107-18)-1, The Aerospace Corporation; Wen (1976), J. Eng. Mech. Div. ASCE 102,
             249-263, of the exponent; Maxwell (1867), Phil. Trans. R. Soc. 157, 49-88
-Status      Dahl's curve, another integrator, and the absent value (tests)
+Status      Dahl's curve, that of an exponent of two, another integrator, and the absent value (tests)
 """
 
 from __future__ import annotations

@@ -188,24 +188,22 @@ def hidden_response(lab: Lab, plan: Plan, bench: Bench) -> dict[str, np.ndarray]
     return columns
 
 
-def score(lab: Lab, plans: Sequence[Plan], tests: Sequence[Test], hidden: dict[str, dict[str, np.ndarray]]) -> float:
-    """Median error of a model over the tests to predict, from base records and declared leans, against the truth."""
-    pairs = zip(plans, tests, strict=True)
-    scores = [rms(predicted(lab, t, t.initial_rotation or 0.0, p.order), hidden[p.id]["rotation"]) for p, t in pairs]
+def score(
+    lab: Lab, plans: Sequence[Plan], tests: Sequence[Test], hidden: dict[str, dict[str, np.ndarray]],
+    bench: Bench | None = None,
+) -> float:  # fmt: skip
+    """Median error of a model over the tests to predict, from base records and declared leans, against the truth.
+
+    bench: whose accelerometers on the block it is told in [m/s^2], mounted as they truly are; in rotation if not given.
+    """
+    scores = []
+    for plan, test in zip(plans, tests, strict=True):
+        true, lean = hidden[plan.id], test.initial_rotation or 0.0
+        if bench is None:
+            scores.append(rms(predicted(lab, test, lean, plan.order), true["rotation"]))
+        else:
+            scores.append(rms_of_accelerations(predicted_accelerations(lab, test, lean, plan.order, bench), true))
     return float(np.median(scores))
-
-
-def score_of_accelerations(
-    lab: Lab, plans: Sequence[Plan], tests: Sequence[Test], hidden: dict[str, dict[str, np.ndarray]], bench: Bench
-) -> float:
-    """The same in the accelerometers on the block [m/s^2], mounted as they truly are."""
-    pairs = zip(plans, tests, strict=True)
-    return float(np.median([
-        rms_of_accelerations(
-            predicted_accelerations(lab, t, t.initial_rotation or 0.0, p.order, bench), hidden[p.id]
-        )
-        for p, t in pairs
-    ]))  # fmt: skip
 
 
 def _check_asked(effects: Sequence[str], channel: str, nuisances: Sequence[str], engine: str) -> None:
@@ -291,7 +289,7 @@ def make_campaign(
         write(Campaign(title, block, conditions, bench.channels, tuple(done)), Path(folder) / part)
     if channel == "block_acceleration":
         parts = (("floor", lab), ("baseline", model))
-        scores = {name: score_of_accelerations(one, ahead, later, hidden, bench) for name, one in parts}
+        scores = {name: score(one, ahead, later, hidden, bench) for name, one in parts}
     noise = next(c.noise for c in bench.channels if c.is_response) or 0.0
     truth = Truth(
         name=label,

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from rocking.effects.learned_base import LearnedBase
 from rocking.effects.learned_coupling import LearnedCoupling
 from rocking.hybrid import REST, Base, Discrete
-from rocking.hysteretic import HystereticBlock
+from rocking.hysteretic import HystereticBlock, yielding
 from rocking.inner_mass import BlockWithInnerMass, inside
 from studies.loop.models.model import LoopModel
 
@@ -76,13 +76,13 @@ def loop(model: LoopModel, reach: float) -> Array:
     step, z = t[1], 0.0
     strain = [z]
 
-    def after(omega: float, step: float, at: float) -> float:
-        # Exact for a constant speed and an exponent of one.
-        rate = abs(omega) * par.per_width * (abs(at) * par.per_width) ** par.sharper + par.per_time
+    def after(z: float, step: float, omega: float, at: float) -> float:
+        # Exact for a constant speed where the rate does not hang on the strain, which is then at `at`.
+        rate = float(yielding(np, at, omega, par))
         return z + (omega - rate * z) * (-math.expm1(-rate * step) / rate if rate > 0.0 else step)
 
     for omega in reach * p * np.cos(p * (t[:-1] + 0.5 * step)):
-        z = after(omega, step, after(omega, 0.5 * step, z))
+        z = after(z, step, omega, after(z, 0.5 * step, omega, z))
         strain.append(z)
     return -par.stiffness * np.array(strain)[::STEPS] / system.rigid.form.angular_inertia(1.0)
 

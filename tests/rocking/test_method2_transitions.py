@@ -25,7 +25,9 @@ SIDES = pytest.mark.parametrize("side", [1.0, -1.0])
 # Coulomb: at the halt the floor must only hold a_x, up to mu_s (g + a_z), though mu_k (g + a_z) is less than that.
 @SIDES
 @pytest.mark.parametrize("a_z", [0.0, -4.0, 3.0])
-@pytest.mark.parametrize(("share", "mode"), [(0.85, Mode.REST), (1.0, Mode.REST), (1.01, Mode.SLIDE)])
+@pytest.mark.parametrize(
+    ("share", "mode"), [(0.85, Mode.REST), (0.99, Mode.REST), (1.0, Mode.REST), (1.01, Mode.SLIDE)]
+)
 def test_an_upright_slide_that_halts_stays_if_static_friction_holds(
     side: float, a_z: float, share: float, mode: Mode
 ) -> None:

@@ -157,7 +157,7 @@ def remembering_all(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit]
 
 
 def _from(trial: Trial, model: LoopModel) -> Trial:
-    """The trial with a model that is not that of its swings, for fits of whole records to begin from."""
+    """The trial with a model that is not the one its swings were fitted by; fits of whole records begin from it."""
     return replace(trial, swing=replace(trial.swing, model=model))
 
 
