@@ -322,6 +322,13 @@ def test_chunks_and_room_for_lists_leave_no_trace(monkeypatch):
     assert pieces.theta == pytest.approx(whole.theta, abs=1e-9)
 
 
+@pytest.mark.parametrize(("blocks", "contacts"), [(1, 2), (2, 4), (3, 6)])
+def test_a_column_that_stands_touches_at_two_corners_of_each_joint(blocks, contacts):
+    run = dem.simulate_assembly(column(blocks), t_end=0.01, contact=STEADY)
+    # Each block has four corners, of which the floor or the block below may meet two and the one above two.
+    assert run.settings["contacts"] == contacts <= run.settings["places"]
+
+
 def test_an_interrupt_keeps_what_was_computed():
     def motion(t):
         if t[0] > 0.5:

@@ -159,6 +159,7 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ),
     ("rocking/solvers/taylor/log.py", ("test_functions_of_taylor_log", *TAYLOR)),
     ("rocking/solvers/taylor/*.py", TAYLOR),
+    ("rocking/solvers/diffrax/runs.py", ("test_batch", *DIFFRAX)),
     ("rocking/solvers/diffrax/*.py", DIFFRAX),
     ("rocking/solvers/scipy_events.py", ("test_solvers_agree", "test_physics_under_jax", "test_trajectory")),
     ("rocking/solvers/numba/runge_kutta.py", ("test_functions_of_numba_runge_kutta", *NUMBA)),

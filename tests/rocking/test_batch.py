@@ -5,12 +5,15 @@ import os
 import subprocess
 import sys
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from excitation import OneSinePulse, PiecewiseLinear, RampedSinusoid
 from rocking import Block, Method1, Method2, solve, solve_batch
 from rocking.motion import Still
+from rocking.solvers.diffrax.runs import groups
 
 MOTIONS = [RampedSinusoid(f, 6.0, a) for f in (0.8, 2.0, 4.0) for a in (2.0, 8.0, 25.0)]
 SYSTEMS = {
@@ -173,3 +176,12 @@ def test_a_batch_by_diffrax_is_that_of_numba() -> None:
     alone = solve_batch(systems[1], motions[1], solver="diffrax", **sharp)
     assert alone.impacts.tolist() == [one.impacts[1]]
     assert alone.peak_rotation[0] == pytest.approx(one.peak_rotation[1], abs=1e-7)
+
+
+# One compiled loop serves all groups of a batch; a few runs are not filled up to hundreds.
+@pytest.mark.parametrize(("count", "sizes"), [(1, [1]), (3, [4]), (200, [256]), (300, [256, 256]), (600, [256] * 3)])
+def test_on_a_cpu_diffrax_runs_groups_of_one_size_the_last_filled_up_with_the_last_run(count, sizes):
+    with jax.default_device(jax.devices("cpu")[0]):
+        found = [np.asarray(group) for group in groups(jnp.arange(count), True, count)]
+    assert [rows.size for rows in found] == sizes
+    np.testing.assert_array_equal(np.concatenate(found), np.minimum(np.arange(sum(sizes)), count - 1))
