@@ -1,32 +1,42 @@
-"""A block with a mass inside that swings on a spring and a dashpot: Method 1 with effects, with two more states.
+"""A block with a mass inside that swings on a spring and a dashpot, or hangs: Method 1 with effects, two more states.
 
-The mass mu m, a part of the declared mass m, moves by q along the base, at a height h over it in the middle of the
-block; c = q - s a is where it is along the base from the carrying corner, A_x' and A_z' the acceleration of the base
-less gravity in the axes of the block, and
+The mass mu m, a part of the declared mass m, moves by q along a path in the middle of the block, lowest at a height h
+over the base.  The path is along the base, or an arc of curvature k on which the mass hangs as a pendulum does, at
+phi = k q.  With (c, z) = (sin(phi) / k - s a, h + (1 - cos(phi)) / k) its place in the axes of the block from the
+carrying corner, A_x' and A_z' the acceleration of the base less gravity in these axes, and
 
-    v = q' + h omega,  v' = -w^2 q - 2 zeta w q' + c omega^2 - A_x'
-    (M + mu (c^2 - a^2 - h^2)) theta'' = [...] + mu [q A_z' - 2 c q' omega + h (w^2 q + 2 zeta w q' - c omega^2 + A_x')]
+    l = z cos(phi) - c sin(phi),  n = c cos(phi) + z sin(phi),  A_t = A_x' cos(phi) + A_z' sin(phi)
+    v = q' + l omega,  v' = -F - A_t + n omega (omega - k q'),  F = (w^2 - g k) q + 2 zeta w q'
+    (M + mu (n^2 - a^2 - h^2)) theta'' = [...] + mu [(c + s a) A_z' - (z - h) A_x' - (2 omega - k q') q' n
+                                                     + l (F - n omega^2 + A_t)]
 
-where M and [...] are those of `rocking.composed` with the mass in its middle place.  v, the velocity along the base of
-the mass over that of the corner, does not jump at an impact, since a spring carries no impulse.
+where M and [...] are those of `rocking.composed` with the mass in its middle place.  v, the velocity of the mass along
+its path over the corner, does not jump at an impact, since neither a spring nor what holds it to the path carries an
+impulse along it.
 
 Source   own derivation (Lagrange's equations of the two bodies).
-Status   MuJoCo within a swing, the oscillator in a block at rest, lift-off and the rigid limit (tests).  A restitution
-         does not know where the mass is, so that one near 1 may add a little energy.  Where edges are rounded the
-         lever of the mass leaves out how far the corner has rolled.
+Status   MuJoCo within a swing, the oscillator and the pendulum in a block at rest, lift-off and the rigid limit
+         (tests).  A restitution does not know where the mass is, so that one near 1 may add a little energy.  Where
+         edges are rounded the lever of the mass leaves out how far the corner has rolled.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from rocking.composed import ComposedMethod1, OnRigidBlock, added, balance, guards_with, jump_with, moment
 from rocking.hybrid import ROTATION, Anchor, Base, Discrete, in_floor_axes
 from rocking.validation import positive, within
+
+HANGS = 20
+"""Steps of Newton's method: one where the path is straight, and few else."""
 
 
 class Parameters(NamedTuple):
@@ -48,6 +58,8 @@ class Parameters(NamedTuple):
     h: float  # its height over the base [m]
     w: float  # natural circular frequency of the mass, the block held [rad/s]
     damping: float  # 2 zeta w [1/s]
+    spring: float  # of w^2 what is no pendulum's [1/s^2]
+    curve: float  # curvature of its path [1/m], 0 where that is straight
     hooks: Any
 
 
@@ -56,22 +68,55 @@ class Inside(NamedTuple):
 
     moment: Any  # over the mass of the block, turning it to +x [m^2/s^2]
     inertia: Any  # to be added, over the mass of the block [m^2]
+    speed: Any  # of the mass along its path [m/s]
     v_dot: Any  # [m/s^2]
+
+
+class Place(NamedTuple):
+    """Where a mass is in the axes of the block, over the middle of its base."""
+
+    across: Any  # along the base from the middle [m]
+    rise: Any  # over its lowest place [m]
+    sin: Any  # of how its path is inclined there
+    cos: Any
+
+
+def place(xp: Any, shift: Any, par: Any) -> Place:
+    """The place of the mass at this length of its path [m] from the middle."""
+    phi = par.curve * shift
+    sin, half = xp.sin(phi), xp.sin(0.5 * phi)
+    curved = par.curve > 0.0
+    per = 1.0 / xp.where(curved, par.curve, 1.0)
+    return Place(xp.where(curved, sin * per, shift), xp.where(curved, 2.0 * half * half * per, 0.0), sin, xp.cos(phi))
+
+
+def levers(at: Place, s: Any, par: Any) -> tuple[Any, Any]:
+    """(of the path, of what is normal to it) [m] about the carrying corner."""
+    c, z = at.across - s * par.a, par.h + at.rise
+    return z * at.cos - c * at.sin, c * at.cos + z * at.sin
 
 
 def inside(xp: Any, y: Any, q: Discrete, base: Base, par: Any) -> Inside:
     """The mass in this state."""
     theta, omega, shift, v = y
-    sin, cos, c = xp.sin(theta), xp.cos(theta), shift - q.s * par.a
+    sin, cos = xp.sin(theta), xp.cos(theta)
+    at = place(xp, shift, par)
+    lever, normal = levers(at, q.s, par)
     A_x, A_z = in_floor_axes(xp, base, par.g)
     # A pitch about the middle of where the block stands carries the mass along, here as if in its middle place.
     A_x = A_x + base.pitch_acceleration * (q.s * par.a * sin + par.h * cos)
     A_z = A_z - base.pitch_acceleration * (q.s * par.a * (1.0 - cos) + par.h * sin)
-    along, normal = A_x * cos - A_z * sin, A_x * sin + A_z * cos
-    slide = v - par.h * omega
-    drawn = par.w * par.w * shift + par.damping * slide - c * omega * omega + along
-    turning = par.mu * (shift * normal - 2.0 * c * slide * omega + par.h * drawn)
-    return Inside(turning, par.mu * (c * c - par.a * par.a - par.h * par.h), -drawn)
+    along, up = A_x * cos - A_z * sin, A_x * sin + A_z * cos
+    on_path = along * at.cos + up * at.sin
+    speed = v - lever * omega
+    turns = par.curve * speed
+    drawn = par.spring * shift + par.damping * speed + on_path
+    turning = par.mu * (
+        at.across * up - at.rise * along - (2.0 * omega - turns) * speed * normal
+        + lever * (drawn - normal * omega * omega)
+    )  # fmt: skip
+    inertia = par.mu * (normal * normal - par.a * par.a - par.h * par.h)
+    return Inside(turning, inertia, speed, normal * omega * (omega - turns) - drawn)
 
 
 def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Any) -> tuple[Any, ...]:
@@ -80,7 +125,7 @@ def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Any) -> tuple[Any, ...]:
     rigid, M = moment(xp, y[0], y[1], q.s, base, par)
     total = q.s * rigid + M * added(y[0], y[1], q.s, base, par) + within_it.moment
     rotating = xp.where(q.mode == ROTATION, 1.0, 0.0)
-    return rotating * y[1], rotating * total / (M + within_it.inertia), y[3] - par.h * y[1], within_it.v_dot
+    return rotating * y[1], rotating * total / (M + within_it.inertia), within_it.speed, within_it.v_dot
 
 
 def guards(xp: Any, y: Any, q: Discrete, base: Base, par: Any) -> tuple[Any, ...]:
@@ -106,6 +151,8 @@ class BlockWithInnerMass(OnRigidBlock):
         height: of the mass over the base [m], 0 or more.
         frequency: natural frequency of the mass while the block is held [Hz], positive.
         damping_ratio: of the same [1], 0 or more.
+        hanging: share of its stiffness that is a pendulum's [1], 0 to 1: 0 for a spring along the base, 1 for a mass
+            that hangs, on an arm of g / (2 pi frequency)^2.
 
     Raises:
         ValueError: a number is out of its range, or so much of the inertia is in the mass that the rest has none.
@@ -116,13 +163,14 @@ class BlockWithInnerMass(OnRigidBlock):
     height: float
     frequency: float
     damping_ratio: float
+    hanging: float = 0.0
 
     name = "method1"
     state_names = ("theta", "omega", "shift", "velocity")
     state_labels = MappingProxyType(
         {
-            "shift": ("m", "position of the mass in the block, along its base from the middle"),
-            "velocity": ("m s-1", "velocity of the mass along the base of the block, over that of the corner"),
+            "shift": ("m", "position of the mass in the block, along its path from the middle"),
+            "velocity": ("m s-1", "velocity of the mass along its path in the block, over that of the corner"),
         }
     )
     guard_names = ("fall", "impact", "tip_right", "tip_left")
@@ -138,6 +186,7 @@ class BlockWithInnerMass(OnRigidBlock):
         within("height", self.height, 0.0, math.inf)
         positive("frequency", self.frequency, "Hz")
         within("damping_ratio", self.damping_ratio, 0.0, math.inf)
+        within("hanging", self.hanging, 0.0, 1.0)
         form = self.rigid.form
         # Of the rest about the middle of the base, less what the mass has: positive for a body of positive mass.
         left = form.rho2 + form.mass_height**2 - self.mass_ratio * (self.height**2 + form.half_breadth**2)
@@ -153,7 +202,8 @@ class BlockWithInnerMass(OnRigidBlock):
         w = 2.0 * math.pi * self.frequency
         return Parameters(
             **self.rigid.parameters._asdict(), mu=float(self.mass_ratio), h=float(self.height), w=w,
-            damping=2.0 * self.damping_ratio * w,
+            damping=2.0 * self.damping_ratio * w, spring=(1.0 - self.hanging) * w * w,
+            curve=self.hanging * w * w / self.rigid.parameters.g,
         )  # fmt: skip
 
     def initial_state(
@@ -163,13 +213,29 @@ class BlockWithInnerMass(OnRigidBlock):
 
         Args:
             theta, omega: rotation [rad] and angular velocity [rad/s].
-            shift: of the mass in the block [m]; where it hangs still at this lean on a level base if not given.
+            shift: of the mass along its path [m]; where it hangs still at this lean on a level base if not given.
             slide: its velocity in the block [m/s].
         """
         y, q = self.rigid.initial_state(theta, omega)
+        shift = self._hangs(theta) if shift is None else float(shift)
+        return (*y, shift, float(slide) + self._lever(shift, q.s) * omega), q
+
+    def slide(self, y: Sequence[float], s: float) -> float:
+        """Velocity of the mass in the block [m/s] in a state that stands on the edge of that side."""
+        return float(y[3] - self._lever(y[2], s) * y[1])
+
+    def _lever(self, shift: float, s: float) -> float:
         par = self.parameters
-        hangs = par.g * math.sin(theta) / par.w**2
-        return (*y, hangs if shift is None else float(shift), float(slide) + par.h * omega), q
+        return float(levers(place(np, shift, par), s, par)[0])
+
+    def _hangs(self, theta: float) -> float:
+        """Where it is held against its weight at a lean, by Newton's method from the angle of a pendulum."""
+        par = self.parameters
+        shift = par.g * theta / par.w**2
+        for _ in range(HANGS):
+            off = par.curve * shift - theta
+            shift -= (par.spring * shift + par.g * math.sin(off)) / (par.spring + par.g * par.curve * math.cos(off))
+        return shift
 
     def anchor(self, y: Any, rate: Any, s: Any) -> Anchor:
         """The centre of the edge on which the block rolls."""

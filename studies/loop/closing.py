@@ -38,6 +38,7 @@ from studies.loop.swings.learning import (
     learn,
     memories,
     profiles,
+    renames,
     says_much,
     unnamed,
 )
@@ -286,9 +287,9 @@ def _explained(
         if over_noise(setup, named) > unexplained(setup):
             return named, "unexplained"
         return named, "effect" if named.parts else "none"
-    if bic(routes[0].swing) < bic(best.swing) + PAYS:
-        best = routes[0]
-    return best, "unexplained"
+    # What has a name keeps it, beside what has none.
+    by_choice = routes[::-1] if renames(routes[0]) else routes
+    return next(t for t in by_choice if bic(t.swing) < bic(best.swing) + PAYS), "unexplained"
 
 
 def _otherwise(

@@ -32,6 +32,9 @@ CYCLES = 1.25
 STEPS = 20
 """Of the strain between two points."""
 
+SMALL = 1e-6
+"""Share of what a mass does that is worked out, where it may hang: small swings are as those on a spring."""
+
 STEP = 1e-4
 """Share of a parameter by which it is varied for the band."""
 
@@ -45,7 +48,8 @@ def ringing(model: LoopModel) -> Array:
 def answer(model: LoopModel, t: Array) -> Array:
     """Angular acceleration [rad/s^2] by the mass on a block that stops from 1 rad/s and is held, at times [s] after.
 
-    Before that the mass was at its middle place and moved along with the block.
+    Before that the mass was at its middle place and moved along with the block.  Of one that hangs it is that of small
+    swings, to scale.
     """
     system = cast(BlockWithInnerMass, model.system)
     par = system.parameters
@@ -58,8 +62,8 @@ def answer(model: LoopModel, t: Array) -> Array:
     )
     held = Discrete(REST, 1.0, 1.0)
     still = np.zeros(POINTS)
-    moment = inside(np, (still, still, shift, slide), held, Base(0.0, 0.0), par).moment
-    return np.asarray(moment / system.rigid.form.angular_inertia(1.0))
+    moment = inside(np, (still, still, SMALL * shift, SMALL * slide), held, Base(0.0, 0.0), par).moment
+    return np.asarray(moment / SMALL / system.rigid.form.angular_inertia(1.0))
 
 
 def there_and_back(reach: float) -> Array:

@@ -479,7 +479,7 @@ def _beside_rotation(system: Any, answer: Answer) -> dict[str, Any]:
         return {"beside": (y, Discrete(mode, float(answer.s[-1]), 1.0))}
     state = dict(zip(system.state_names, y, strict=True))
     if isinstance(system, BlockWithInnerMass):
-        return {"shift": state["shift"], "slide": state["velocity"] - system.height * state["omega"]}
+        return {"shift": state["shift"], "slide": system.slide(y, float(answer.s[-1]))}
     if isinstance(system, HystereticBlock):
         return {"strain": state["strain"]}
     if mode in (REST, ROTATION):

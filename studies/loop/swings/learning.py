@@ -6,7 +6,8 @@ restitution with a memory of `rocking.effects.learned_memory`, what is off in a 
 `rocking.effects.learned_reading`, the plate of `rocking.effects.learned_base`, what a base sensor loses of
 `rocking.effects.learned_coupling`, the mass inside of `rocking.effects.learned_mode` and the torque that lags of
 `rocking.effects.learned_hysteresis` are parameters whose default is nothing, fitted with the same machinery as the
-effects. The greedy search stops when the next one does not lower the residual by `LEAST_GAIN`.
+effects. The greedy search stops when the next one does not lower the residual by `LEAST_GAIN`, nor most of what is
+over the noise.
 
 Status   two modes, two of what swings, yields or remembers at once, and a curve beside what swings or yields, are
          outside of the span.
@@ -16,6 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -192,7 +194,8 @@ def readings(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
 def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
     """Torques, dampings and frictions of any shape against rotation: near upright, or as far as the swings go.
 
-    Torques and dampings alike on both sides or not; frictions with a shape of their own on either side.
+    Torques and dampings alike on both sides or not, or with a shape of their own on either side, as frictions have:
+    what acts on one side alone is half of each of two curves, neither of which tells much by itself.
     """
     p, alpha = block.p(), block.alpha
     torque = 0.02 * p**2 * alpha
@@ -209,6 +212,13 @@ def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
             own = tuple(Parameter(f"{effect}.{name}", size, -50.0 * size, 50.0 * size) for name in names[: n + 1])
             fixed = {f"{effect}.{kind}reach": share * reach, f"{effect}.{kind}intervals": float(n)}
             found.append(Candidate(f"learned[{label}, {shape}]", effect, own, (), fixed))
+    curves = {c.name: c for c in found}
+    for shape, _, n in shapes:
+        if n > MANY:
+            continue
+        odd, even = (curves[f"learned[curve {kind}, {shape}]"] for kind in ("alike on both sides", "by side"))
+        both, fixed = (*odd.parameters, *even.parameters), {**odd.fixed, **even.fixed}
+        found.append(Candidate(f"learned[curve, each side its own, {shape}]", CURVE, both, (), fixed))
     for label, effect, names, size, end in (
         ("damping by rotation, each side its own", LOSS, DAMPING, torque / (0.5 * p * alpha), "reach"),
         ("friction by rotation", RUBBING, FRICTION, torque, "high"),
@@ -288,15 +298,22 @@ def inner(block: DeclaredBlock, released: bool) -> tuple[Candidate, ...]:
     size, height, frequency, damping = (
         f"{MODE}.{name}" for name in ("mass_ratio", "height_ratio", "frequency", "damping_ratio")
     )
+    # What is little off in the centre of the block acts as much as all that swings in it.
+    apart, hangs = f"{MODE}.apart", f"{MODE}.hanging"
     swinging = Candidate(
         "learned[mode]", MODE,
         (
             Parameter(size, 0.005, 0.0, heaviest), Parameter(height, 0.2, 0.0, HIGHEST),
             Parameter(frequency, 0.1, 0.02 * p, 3.0 * p, log=True), Parameter(damping, 0.3, 1e-3, 3.0, log=True),
+            Parameter(apart, 0.3, 0.0, 1.0),
         ),
-        tuple({size: 0.005, height: 1.0, frequency: share * p / (2.0 * math.pi), damping: 0.1} for share in MODES),
-        {}, smooth=False, scouts=(size,),
+        tuple(
+            {size: 0.005, height: 1.0, frequency: share * p / (2.0 * math.pi), damping: 0.1, apart: 0.5}
+            for share in MODES
+        ),
+        {hangs: 0.0}, smooth=False, scouts=(size,),
     )  # fmt: skip
+    hanging = replace(swinging, name="learned[mode, hanging]", fixed={hangs: 1.0}, after=swinging.name)
     size, width, time, strained, exponent = (
         f"{HYSTERESIS}.{name}" for name in ("stiffness", "width", "time", "strained", "exponent")
     )
@@ -318,7 +335,7 @@ def inner(block: DeclaredBlock, released: bool) -> tuple[Candidate, ...]:
         tuple({size: 0.02 * moment, time: share / p, **half} for share in TIMES),
         {}, smooth=False, scouts=(size,),
     )  # fmt: skip
-    return swinging, slipping, creeping
+    return swinging, hanging, slipping, creeping
 
 
 def open_to(trial: Trial, pool: Sequence[Candidate]) -> list[Candidate]:
@@ -356,7 +373,12 @@ def learn(
 def _laboured(onto: Trial, found: Trial) -> bool:
     """Whether it took a curve with many coefficients and something else besides, so that less may say it as well."""
     learned = found.parts[len(onto.parts) :]
-    return len(learned) > 1 and any(len(part.parameters) > MANY for part in learned)
+    return len(learned) > 1 and any(map(bends_much, learned))
+
+
+def bends_much(part: Candidate) -> bool:
+    """Whether it is a curve with many coefficients."""
+    return len(part.parameters) > MANY and part.effect not in WITHIN
 
 
 def _at_hand(simulator: Simulator, onto: Trial) -> tuple[Candidate, ...]:
@@ -405,16 +427,23 @@ def _grown(
         best = min((t for t in bests if t is not None), key=lambda t: bic(t.swing), default=None)
         if best is None or not pays(current.swing, best.swing):
             break
-        if best.swing.rms > (1.0 - LEAST_GAIN) * current.swing.rms or not np.isfinite(best.swing.rms):
+        if not np.isfinite(best.swing.rms) or not _lowers(current, best):
             break
         current = best
     return current
 
 
+def _lowers(current: Trial, best: Trial) -> bool:
+    """Whether the rms of the swings falls by enough, or to less than half of the way to what noise leaves of them."""
+    if best.swing.rms <= (1.0 - LEAST_GAIN) * current.swing.rms:
+        return True
+    return current.swing.chi2 - best.swing.chi2 >= LEAST_OF_ALL * (current.swing.chi2 - _noise(current))
+
+
 def _least(onto: Trial, found: Trial) -> float:
     """Share of what is over the noise that was to be explained so far, for more to be looked for."""
     learned = found.parts[len(onto.parts) :]
-    if len(learned) >= FEW or any(len(part.parameters) > MANY for part in learned):
+    if len(learned) >= FEW or any(map(bends_much, learned)):
         return LEAST_OF_ALL
     return LITTLE if learned else 0.0
 
@@ -422,6 +451,11 @@ def _least(onto: Trial, found: Trial) -> float:
 def says_much(onto: Trial, found: Trial) -> bool:
     """Whether what was learned explains as much of what is over the noise as something in the span should."""
     return onto.swing.chi2 - found.swing.chi2 >= LEAST_OF_ALL * (onto.swing.chi2 - _noise(onto))
+
+
+def renames(trial: Trial) -> bool:
+    """Whether it has a coefficient that is an effect with a name."""
+    return any(p.name in WITH_A_NAME for p in trial.parameters)
 
 
 def _more_to_learn(trial: Trial) -> bool:

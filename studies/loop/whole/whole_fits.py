@@ -22,7 +22,7 @@ from studies.loop.models.parameters import Parameter
 from studies.loop.observed.spread import variances, weighed
 from studies.loop.observed.windows import Window
 from studies.loop.records.preparing import Setup
-from studies.loop.swings.learning import MANY
+from studies.loop.swings.learning import bends_much
 from studies.loop.swings.trials import Trial
 from studies.loop.whole.remaining import over_noise, roughly_begun, slips, structure
 
@@ -146,7 +146,7 @@ def still_fits(setup: Setup, trial: Trial, model: LoopModel) -> bool:
         least += ROUGHLY * max(trial.swing.chi2 - trial.swing.samples, 0.0)
     if there.chi2 - trial.swing.chi2 < least:
         return True
-    if slips(trial) or not any(len(part.parameters) > MANY for part in trial.parts):
+    if slips(trial) or not any(map(bends_much, trial.parts)):
         return False
     there = replace(there, parameters=trial.swing.parameters)
     return over_noise(setup, replace(trial, swing=there)) < structure(setup)

@@ -38,29 +38,43 @@ TWO_BODIES = """
 """
 
 
+# The same with the inner body on an arm, whose hinge is over the middle of the base.
+HUNG = TWO_BODIES.replace("0 {h}", "0 {hinge}").replace(
+    """<joint type="slide" axis="1 0 0" stiffness="{k}" damping="{c}"/>
+        <inertial pos="0 0 0\"""",
+    """<joint type="hinge" axis="0 1 0" damping="{c}"/>
+        <inertial pos="0 0 -{arm}\"""",
+)
+
+
 def effect(**changes: float):
     return load("learned_mode")(**(MODE | changes))
 
 
-def in_mujoco(theta: float, shift: float, a_x: float, times: np.ndarray) -> np.ndarray:
+def in_mujoco(theta: float, shift: float, a_x: float, times: np.ndarray, scene: str = TWO_BODIES) -> np.ndarray:
     """Rotation [rad] and place of the mass [m] at the times, before the block lands; shape (time, 2)."""
     m, H, a = BLOCK.mass, 0.5 * BLOCK.h, 0.5 * BLOCK.b
     inner = 0.08 * m
     rest = m - inner
     z = (m * H - inner * HEIGHT) / rest
     i = BLOCK.I_c + m * H**2 - inner * HEIGHT**2 - rest * z**2
+    arm = G / W**2
+    c = inner * 2.0 * 0.1 * W * (arm**2 if scene is HUNG else 1.0)
     model = mujoco.MjModel.from_xml_string(
-        TWO_BODIES.format(
-            pull=-a_x, g=G, a=a, z=z, m=rest, i=i, h=HEIGHT, inner=inner, k=inner * W**2, c=inner * 2.0 * 0.1 * W
+        scene.format(
+            pull=-a_x, g=G, a=a, z=z, m=rest, i=i, h=HEIGHT, inner=inner, k=inner * W**2, c=c, hinge=HEIGHT + arm,
+            arm=arm,
         )
-    )
+    )  # fmt: skip
     data = mujoco.MjData(model)
-    data.qpos[:] = theta, shift
+    # A hinge that turns clockwise takes what hangs from it the other way.
+    per = -arm if scene is HUNG else 1.0
+    data.qpos[:] = theta, shift / per
     seen = []
     for t in times:
         while data.time < t - 5e-5:
             mujoco.mj_step(model, data)
-        seen.append(data.qpos.copy())
+        seen.append((data.qpos[0], per * data.qpos[1]))
     return np.array(seen)
 
 
@@ -78,6 +92,66 @@ def test_a_swing_is_that_of_two_bodies(a_x: float) -> None:
     # It is no small matter: without the mass the block would be elsewhere.
     plain = solve(Method1(BLOCK, g=G), base, theta=0.15, t_end=0.28, save_at=times)
     assert np.abs(plain.theta - run.theta).max() > 1e-3
+
+
+@pytest.mark.parametrize("a_x", [0.0, 0.8])
+def test_a_swing_of_what_hangs_is_that_of_two_hinges(a_x: float) -> None:
+    """The arm of 40 mm is let go at 1.5 rad from plumb, and swings through to the other side."""
+    base = PiecewiseLinear(1.0, [a_x, a_x])
+    times = np.linspace(0.0, 0.24, 7)
+    system = compose(Method1(BLOCK, g=G), [effect(hanging=1.0)])
+    shift = -1.35 * G / W**2
+    y, q = system.initial_state(0.15, shift=shift)
+    run = solve(system, base, initial=(y, q), t_end=0.24, save_at=times)
+    assert not len(run.impact_times)
+    assert run.y[:, 2].max() > 0.5 * G / W**2
+    expected = in_mujoco(0.15, shift, a_x, times, HUNG)
+    np.testing.assert_allclose(run.theta, expected[:, 0], rtol=0.0, atol=2e-8)
+    np.testing.assert_allclose(run.y[:, 2], expected[:, 1], rtol=0.0, atol=2e-8)
+    # It is no spring along the base.
+    system = compose(Method1(BLOCK, g=G), [effect()])
+    spring = solve(system, base, initial=system.initial_state(0.15, shift=shift), t_end=0.24, save_at=times)
+    assert np.abs(spring.theta - run.theta).max() > 1e-3
+
+
+@pytest.mark.parametrize("hanging", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("theta", [0.3, -0.6])
+def test_it_hangs_still_where_its_spring_and_its_weight_are_even(hanging: float, theta: float) -> None:
+    system = compose(Method1(BLOCK, g=G), [effect(hanging=hanging)])
+    y, q = system.initial_state(theta)
+    within = inside(np, y, q, Base(0.0, 0.0), system.parameters)
+    assert within.speed == 0.0
+    assert within.v_dot == pytest.approx(0.0, abs=1e-12 * G)
+    arm = G / W**2
+    straight = arm * math.sin(theta)
+    assert y[2] == pytest.approx({0.0: straight, 1.0: arm * theta}.get(hanging, y[2]), rel=1e-12)
+    assert abs(straight) * (1.0 - 1e-12) <= abs(y[2]) <= abs(arm * theta) * (1.0 + 1e-12)
+
+
+def test_what_hangs_in_a_block_at_rest_is_a_pendulum_on_the_base() -> None:
+    """Too weak a shaking for the block, and yet the arm of 40 mm swings by half a radian."""
+    base = SteadySinusoid(2.0, 0.6, 3.0)
+    times = np.linspace(0.0, 3.0, 31)
+    run = solve(Method1(BLOCK, g=G), base, t_end=3.0, effects=[effect(hanging=1.0)], save_at=times)
+    assert run.peak_rotation == 0.0
+    arm = G / W**2
+    other = solve_ivp(
+        lambda t, y: (
+            y[1],
+            -(G * math.sin(y[0]) + 0.6 * math.sin(4.0 * math.pi * t) * math.cos(y[0])) / arm - 0.2 * W * y[1],
+        ),
+        (0.0, 3.0), (0.0, 0.0), t_eval=times, rtol=1e-10, atol=1e-13, max_step=0.02,
+    )  # fmt: skip
+    np.testing.assert_allclose(run.y[:, 2], arm * other.y[0], rtol=0.0, atol=1e-8)
+
+
+@pytest.mark.parametrize("hanging", [0.0, 1.0])
+def test_a_run_goes_on_from_its_velocity_in_the_block(hanging: float) -> None:
+    system = compose(Method1(BLOCK, g=G), [effect(hanging=hanging)])
+    y, q = system.initial_state(-0.3, 0.7, 0.02, -0.4)
+    assert q.s == -1.0
+    assert system.slide(y, q.s) == pytest.approx(-0.4, rel=1e-12)
+    assert inside(np, y, q, Base(0.0, 0.0), system.parameters).speed == pytest.approx(-0.4, rel=1e-12)
 
 
 def test_either_side_is_the_image_of_the_other() -> None:
@@ -182,6 +256,7 @@ def test_a_pitch_carries_the_mass_of_a_leaning_block_along(side: float, theta: f
     [
         ({"mass_ratio": 0.6}, r"learned_mode.mass_ratio=0.6 1: want 0 to 0.5"),
         ({"frequency": 0.0}, r"learned_mode.frequency=0.0 Hz: want 1e-06 to 1e\+06"),
+        ({"hanging": 1.1}, r"learned_mode.hanging=1.1 1: want 0 to 1"),
         ({"damping_ratio": -0.1}, r"learned_mode.damping_ratio=-0.1 1: want 0 to 1e\+06"),
         ({"height_ratio": 4.0, "mass_ratio": 0.4}, r"mass_ratio=0.4: at a height of 1.6 m more than the moment"),
     ],

@@ -9,6 +9,7 @@ import pytest
 
 from studies.campaigns import DeclaredBlock
 from studies.loop import closing
+from studies.loop.models.parameters import Parameter
 from studies.loop.swings import learning
 from studies.loop.swings.learning import unnamed
 from studies.loop.swings.trials import Round
@@ -344,6 +345,27 @@ def test_alike_is_what_swings_hardly_tell_from_what_was_learned(monkeypatch):
 
     monkeypatch.setattr(learning, "search", search)
     assert [t.name for t in learning.alike(None, "less", found, None)] == ["fine", "near upright"]
+
+
+@pytest.mark.parametrize(
+    ("coefficients", "better", "by_name"),
+    [
+        (("bias", "friction"), 20.0, True),  # what tilts is in the bias: its name stays, beside the friction
+        (("bias", "friction"), 80.0, False),
+        (("side", "friction"), 20.0, False),  # none of these has a name
+    ],
+)
+def test_a_name_is_kept_beside_what_has_none(monkeypatch, coefficients, better, by_name):
+    plain, found = explained_trial(20_000.0), explained_trial(9_000.0, "base_tilt")
+    own = tuple(Parameter(f"learned_term.{name}", 1.0, -1.0, 1.0) for name in coefficients)
+    alone = SimpleNamespace(**vars(explained_trial(8_000.0 - better, "learned_term")) | {"parameters": own})
+    beside = explained_trial(8_000.0, "base_tilt", "learned_term")
+    monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.04)
+    monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
+    monkeypatch.setattr(closing, "learn", lambda _, onto, *__, **___: alone if onto is plain else beside)
+    setup, missed = SimpleNamespace(simulator=None, records=[], swings=()), records(2.0)
+    chosen = closing._explained(setup, plain, None, found, missed, lambda text: None)
+    assert chosen == (beside if by_name else alone, "unexplained")
 
 
 def test_what_only_undoes_an_effect_is_not_learned(monkeypatch):

@@ -145,7 +145,7 @@ def test_swings_bear_of_a_curve_what_leaves_no_structure_in_them(
     setup: Any = SimpleNamespace(simulator=None)
     own = ("one",) * coefficients
     swing: Any = SimpleNamespace(model="here", chi2=19904.0, windows=(), parameters=own)
-    trial: Any = Some(swing, parts=(SimpleNamespace(parameters=own, slips=slips),))
+    trial: Any = Some(swing, parts=(SimpleNamespace(parameters=own, slips=slips, effect="learned_damping"),))
     assert whole_fits.still_fits(setup, trial, "whole") is borne  # type: ignore[arg-type]
 
 
