@@ -21,7 +21,7 @@ from studies.loop.models.names import readable
 from studies.loop.records.preparing import Setup
 from studies.loop.search.revising import set_aside
 from studies.loop.search.rounds import Path, Tell, followed, nothing_of_swings, same, searched
-from studies.loop.swings.learning import MOST_ALIKE, by_itself, inner, profiles, terms
+from studies.loop.swings.learning import MOST_ALIKE, by_itself, inner, open_to, profiles, terms
 from studies.loop.swings.tracing import LEADS, all_candidates, floor_promises, search
 from studies.loop.swings.trials import PAYS, Round, Trial, bic, pays
 from studies.loop.whole.remaining import (
@@ -49,6 +49,8 @@ MOST_IN_PLACE_OF_THE_FIRST = 2
 NOT_ON_TOP = "floors that give were not tried on top of this; runs take long"
 
 ONE_TERM = "one coefficient without a name leaves nothing over the noise, nor of whole records; runs take long"
+
+ONE_BESIDE = "one coefficient without a name beside what was found leaves nothing over the noise; runs take long"
 
 ONE_FORM = "one form without a name leaves nothing over the noise, nor of whole records; runs take long"
 
@@ -98,6 +100,10 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     if _one_term_is_enough(setup, plain, tell):
         rounds = [replace(r, skipped=r.skipped | {c.name: ONE_TERM for c in r.put_off}) for r in rounds]
         return _told(setup, quick, paths, greedy, rounds)
+    beside = _term_beside(setup, quick, tell) if floor is None else None
+    if beside is not None:
+        rounds = [replace(r, skipped=r.skipped | {c.name: ONE_BESIDE for c in r.put_off}) for r in rounds]
+        return replace(_told(setup, quick, paths, greedy, rounds), term=beside)
     form = _form_in_place(setup, plain, quick, tell) if floor is None else None
     if form is not None:
         rounds = [replace(r, skipped=r.skipped | {c.name: ONE_FORM for c in r.put_off}) for r in rounds]
@@ -168,14 +174,29 @@ def _one_term_is_enough(setup: Setup, plain: Trial, tell: Tell) -> bool:
     return best is not None and _enough(setup, best) is not None
 
 
+def _term_beside(setup: Setup, path: Path, tell: Tell) -> Trial | None:
+    """What was found with a coefficient without a name beside it, where that leaves nothing and is not refused."""
+    if not path.last.parts or slips(path.last) or not setup.by_rotation or not declared_noise(setup):
+        return None
+    tell("something is left: asking coefficients without a name beside what was found")
+    pool = open_to(path.last, by_itself(setup.simulator, path.last))
+    best = search(setup.simulator, path.last, pool, tell, repeated=True, leading=True).best
+    found = _enough(setup, best) if best is not None and pays(path.last.swing, best.swing) else None
+    return found[0] if found is not None and explains_more(setup, found[1], path.whole) else None
+
+
 def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial | None:
     """A form of many coefficients that leaves nothing of swings and whole records, where a path leaves something.
 
     A curve against the rotation, or what goes on in time within the block or beside it, of which runs take longer.
     Swings have to prefer it by far, and whole records must not refuse it.  Floors that give have been asked alone, and
-    of what they do together with something else one such form says little.
+    of what they do together with something else one such form says little.  Where swings are left with no more than
+    chance would leave, and whole records are missed, a form may still be preferred by far: what it does is little in
+    any one swing.
     """
-    if not setup.by_rotation or not declared_noise(setup) or by_chance(setup, path.last):
+    if not setup.by_rotation or not declared_noise(setup):
+        return None
+    if by_chance(setup, path.last) and met(setup, path.whole, MISSED):
         return None
     declared, released = plain.swing.model.declared, any(test.kind == "free" for test in setup.simulator.tests)
     for what, pool in (
