@@ -29,8 +29,6 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from rocking.composed import ComposedMethod1, OnRigidBlock, added, balance, guards_with, jump_with, moment
 from rocking.hybrid import ROTATION, Anchor, Base, Discrete, in_floor_axes
 from rocking.validation import positive, within
@@ -60,6 +58,8 @@ class Parameters(NamedTuple):
     damping: float  # 2 zeta w [1/s]
     spring: float  # of w^2 what is no pendulum's [1/s^2]
     curve: float  # curvature of its path [1/m], 0 where that is straight
+    arm: float  # its radius [m], 0 where it is straight
+    straight: float  # 1 where it is straight, else 0
     hooks: Any
 
 
@@ -85,9 +85,7 @@ def place(xp: Any, shift: Any, par: Any) -> Place:
     """The place of the mass at this length of its path [m] from the middle."""
     phi = par.curve * shift
     sin, half = xp.sin(phi), xp.sin(0.5 * phi)
-    curved = par.curve > 0.0
-    per = 1.0 / xp.where(curved, par.curve, 1.0)
-    return Place(xp.where(curved, sin * per, shift), xp.where(curved, 2.0 * half * half * per, 0.0), sin, xp.cos(phi))
+    return Place(par.arm * sin + par.straight * shift, 2.0 * par.arm * half * half, sin, xp.cos(phi))
 
 
 def levers(at: Place, s: Any, par: Any) -> tuple[Any, Any]:
@@ -200,10 +198,12 @@ class BlockWithInnerMass(OnRigidBlock):
     def parameters(self) -> Parameters:
         """The numbers that the equations take."""
         w = 2.0 * math.pi * self.frequency
+        rigid = self.rigid.parameters
+        curve = self.hanging * w * w / rigid.g
         return Parameters(
-            **self.rigid.parameters._asdict(), mu=float(self.mass_ratio), h=float(self.height), w=w,
+            **rigid._asdict(), mu=float(self.mass_ratio), h=float(self.height), w=w,
             damping=2.0 * self.damping_ratio * w, spring=(1.0 - self.hanging) * w * w,
-            curve=self.hanging * w * w / self.rigid.parameters.g,
+            curve=curve, arm=1.0 / curve if curve > 0.0 else 0.0, straight=0.0 if curve > 0.0 else 1.0,
         )  # fmt: skip
 
     def initial_state(
@@ -226,7 +226,7 @@ class BlockWithInnerMass(OnRigidBlock):
 
     def _lever(self, shift: float, s: float) -> float:
         par = self.parameters
-        return float(levers(place(np, shift, par), s, par)[0])
+        return float(levers(place(math, shift, par), s, par)[0])
 
     def _hangs(self, theta: float) -> float:
         """Where it is held against its weight at a lean, by Newton's method from the angle of a pendulum."""

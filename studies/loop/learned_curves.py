@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -167,11 +167,12 @@ def _in_time(setup: Setup, settled: Settled, held: Mapping[str, int]) -> list[Cu
         return _banded(part, x, draw(model), rows, [held[name] for name in own], settled)
 
     if f"{MODE}.mass_ratio" in held:
-        part = _Part(
-            "A mass inside: torque after a stop",
-            "By a mass that swings in a block which stops from 1 rad/s and is held upright then.",
-            "time [s]", TORQUE, {},
-        )  # fmt: skip
+        stop = "in a block which stops from 1 rad/s and is held upright then"
+        if model.effects[MODE].get("hanging", 0.0) > 0.0:
+            label, words = "A mass that hangs inside", f"By a mass that hangs {stop}, to the scale of small swings."
+        else:
+            label, words = "A mass inside", f"By a mass that swings on a spring {stop}."
+        part = _Part(f"{label}: torque after a stop", words, "time [s]", TORQUE, {})
         times = ringing(model)
         found.append(drawn(MODE, part, times, lambda m: answer(m, times)))
     if f"{BASE}.frequency" in held:
@@ -224,6 +225,13 @@ def _splines(settled: Settled) -> list[_Part]:
             for name, unit in zip(names, units, strict=False)
         }
         found.append(_Part(label, words, "rotation [rad]", y_label, functions))
+    if {f"{CURVE}.{ODD[0]}", f"{CURVE}.{EVEN[0]}"} <= set(settled.names):
+        # What acts on one side alone is half of each: their sum says it.
+        odd, even = found[:2]
+        both = replace(
+            odd, label="Torque against rotation, each side its own", functions={**odd.functions, **even.functions}
+        )
+        found[:2] = [both]
     if f"{RUBBING}.{FRICTION[0]}" in settled.names:
         low, high, most = (settled.whole.model.effects[RUBBING][name] for name in ("low", "high", "intervals"))
         units = np.eye(round(most) + 1)

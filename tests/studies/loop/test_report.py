@@ -311,6 +311,36 @@ def test_friction_is_drawn_from_the_end_on_one_side_to_that_on_the_other():
     assert curve.label == "Friction against rotation"
 
 
+def test_a_curve_with_each_side_its_own_is_drawn_as_one():
+    """0.3 rad/s^2 toward +x from the left alone: half of it alike on both sides, half with one sign."""
+    values = {f"learned_curve.{kind}_{name}": value for kind in ("odd", "even")
+              for name, value in (("reach", 0.2), ("intervals", 1.0))}  # fmt: skip
+    for kind, half in (("odd", -0.15), ("even", 0.15)):
+        values |= {f"learned_curve.{kind}_{k}": half for k in range(2)}
+    # What one of them has too much the other has too little: their sum is certain on the right, and twice as uncertain
+    # on the left.
+    one = 0.01**2 * np.eye(2)
+    [curve] = retold(values, np.block([[one, -one], [-one, one]])).learned
+    assert curve.label == "Torque against rotation, each side its own"
+    aside = curve.x != 0.0
+    np.testing.assert_allclose(curve.y[aside], np.where(curve.x < 0.0, 0.3, 0.0)[aside], rtol=0.0, atol=1e-12)
+    share = np.abs(np.minimum(np.abs(curve.x), 0.2) / 0.2)
+    wide = 1.96 * 0.02 * np.hypot(share, 1.0 - share)
+    expected = np.where(curve.x < 0.0, wide, 0.0)
+    np.testing.assert_allclose((curve.high - curve.y)[aside], expected[aside], rtol=1e-9, atol=1e-9)
+
+
+def test_a_mass_that_hangs_is_drawn_as_one_of_the_same_frequency_on_a_spring():
+    """Of small swings the two are the same: the weight of one acts at its hinge, and its arm is g / w^2."""
+    values = {"learned_mode.mass_ratio": 0.02, "learned_mode.height_ratio": 1.2, "learned_mode.frequency": 2.0,
+              "learned_mode.damping_ratio": 0.1}  # fmt: skip
+    both = [
+        retold({**values, "learned_mode.hanging": h}, 1e-6 * np.eye(5)).learned[0] for h in (0.0, 1.0)
+    ]  # fmt: skip
+    np.testing.assert_allclose(both[1].y, both[0].y, rtol=0.0, atol=1e-5 * np.abs(both[0].y).max())
+    assert [curve.label.partition(":")[0] for curve in both] == ["A mass inside", "A mass that hangs inside"]
+
+
 def test_a_learned_mode_is_drawn_as_a_mass_that_swings():
     """The block stops from 1 rad/s: the mass goes on with its height in m/s; drawn by an integrator in the test."""
     values = {"learned_mode.mass_ratio": 0.02, "learned_mode.height_ratio": 1.2, "learned_mode.frequency": 2.0,
