@@ -314,11 +314,25 @@ def swing_windows(records: Sequence[Record], swings: int = 1) -> list[Window]:
 
 
 def whole_windows(records: Sequence[Record]) -> list[Window]:
-    """Each record from its start: from rest, or from a lean that is known only so well."""
+    """Each record from its start: from rest, or from a lean that is known only so well.
+
+    Of accelerometers alone what they read before the first impact, and from there on when the side changes: readings
+    jump there, so that sums of their squares are rugged, and times of impacts are smooth in all that is to be found.
+    """
     return [
         cut(
-            record, number, float(record.time[0]), float(record.time[-1]), theta=record.lean, omega=0.0,
-            theta_sd=record.lean_sd, omega_sd=0.0, theta_prior=record.lean, lean_read=record.lean_read,
+            _until_it_is_struck(record), number, float(record.time[0]), float(record.time[-1]), theta=record.lean,
+            omega=0.0, theta_sd=record.lean_sd, omega_sd=0.0, theta_prior=record.lean, lean_read=record.lean_read,
         )
         for number, record in enumerate(records)
     ]  # fmt: skip
+
+
+def _until_it_is_struck(record: Record) -> Record:
+    """The record of accelerometers alone without what they read from the first change of side on."""
+    if SIDE not in record.channels:
+        return record
+    changes = np.isfinite(record.observed[record.channels.index(SIDE)])
+    struck = np.logical_or.accumulate(changes)
+    sensors = np.array([channel is not SIDE for channel in record.channels])
+    return replace(record, observed=np.where(sensors[:, None] & struck, np.nan, record.observed))

@@ -55,8 +55,7 @@ def settle(setup: Setup, trial: Trial, whole: Fit) -> Settled:
     """
     parameters = trial.every
     names = tuple(p.name for p in parameters)
-    # Whole records of accelerometers hang too finely on when the side changes for a covariance to say how finely.
-    minima = _while_predictable(setup, trial, whole) if setup.by_rotation else []
+    minima = _while_predictable(setup, trial, whole)
     fits = [f for f in (trial.swing, *minima[:1]) if f.parameters]
     covariances = [robust_covariance(setup.simulator, setup.noisy, f) for f in fits]
     apart, own, together = None, [*covariances], 1.0
