@@ -314,8 +314,14 @@ def _otherwise(
         return _one_in_place_of(setup, plain, named, whole, tell)
     if not several and not set(named.effects) & LOSSES:
         # A string that is slack up to some lean looks much like any other torque that grows with it.
-        enough = closely or met(setup, whole, CLOSELY)
-        return None if enough else _one_in_place_of(setup, plain, named, whole, tell)
+        if closely or met(setup, whole, CLOSELY):
+            return None
+        found = _one_in_place_of(setup, plain, named, whole, tell)
+        if found is not None or bic(named.swing) <= bic(plain.swing) - PAYS:
+            return found
+        # Whole records alone speak for it, and are not met: they are asked what else does.
+        found = unseen(setup, plain, bare, tell)
+        return found if found is not None and explains_more(setup, whole_fit(setup, found, whole), whole) else None
     tell("asking whether one law without a name explains it")
     declared, windows = plain.swing.model.declared, plain.swing.windows
     laws = (*memories(declared, windows), *(c for c in profiles(declared, windows) if c.effect == LOSS))
@@ -434,8 +440,8 @@ def _of_whole_records(
         f"{far} of {len(whole.windows)} whole records are missed by more than {MISSED_BY_FAR:g} times their noise with "
         "what was found: it does not carry to their end, and something else may act"
     )
-    # What whole records alone speak for has to explain most of them.
-    if len(by_them) == len(chosen.names) and 2 * far > len(whole.windows):
+    # What whole records alone speak for has to explain them, but for what the noise of the base does to them.
+    if len(by_them) == len(chosen.names) and not met(setup, whole, MISSED_BY_FAR):
         return "unexplained", notes
     return verdict, notes
 
@@ -447,13 +453,12 @@ def _borne_out(setup: Setup, rivals: Sequence[Rival], chosen: Trial, whole: Fit)
     """
 
     def refused(r: Rival) -> bool:
-        return setup.by_rotation and r.trial.names != chosen.names and explains_more(setup, whole, r.whole)
+        return r.trial.names != chosen.names and explains_more(setup, whole, r.whole)
 
     if chosen.costly:
         return tuple(r for r in rivals if r.trial.costly or not refused(r))
-    if setup.by_rotation:
-        rivals = twins_from_many(setup, rivals, whole)
-    return standing(rivals, refused, lambda r, first: setup.by_rotation and explains_more(setup, r.whole, first.whole))
+    rivals = twins_from_many(setup, rivals, whole)
+    return standing(rivals, refused, lambda r, first: explains_more(setup, r.whole, first.whole))
 
 
 def _of_the_search(path: Path, stands: Trial) -> tuple[str, ...]:

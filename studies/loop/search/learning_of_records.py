@@ -4,8 +4,8 @@ In a single swing a mass that moves inside, or a little more loss in each impact
 in a whole record what it does adds up.  Forms of few coefficients are fitted to whole records, as far as these are
 predictable, from all their starts.  The best ones have to answer what effects that are scanned there have to.
 
-Status   a planted mass inside that leaves nothing in the swings is found (slow test); curves are left out,
-         since whole records are few for their many coefficients
+Status   a planted mass inside that leaves nothing in the swings is found (slow test); curves are left out but for
+         those near upright, since whole records are few for their many coefficients
 """
 
 from __future__ import annotations
@@ -17,13 +17,16 @@ from studies.loop.models.candidates import Candidate
 from studies.loop.observed.windows import Window
 from studies.loop.records.preparing import Setup
 from studies.loop.search.rounds import Tell
-from studies.loop.swings.learning import inner, memories, unnamed
+from studies.loop.swings.learning import MANY, inner, memories, profiles, unnamed
 from studies.loop.swings.trials import Trial, bic
 from studies.loop.whole.settling import predictable
 from studies.loop.whole.whole_records import confirmed, ranked
 
 STEPS = 8
 """Of a fit from each start."""
+
+UPRIGHT = "near upright"
+"""What names of such curves say."""
 
 MOST = 3
 """Forms that are fitted to the end: those that explain most after these."""
@@ -55,9 +58,14 @@ def unseen(setup: Setup, plain: Trial, whole: Fit, tell: Tell) -> Trial | None:
 
 
 def forms(setup: Setup, plain: Trial) -> tuple[Candidate, ...]:
-    """Those that are tried: single coefficients, memories of impacts, and what swings, yields or creeps inside."""
+    """Those that are tried: single coefficients, memories of impacts, what swings, yields or creeps inside, and curves
+    near upright: what acts there alone acts for a short while of each swing."""
     declared, released = plain.swing.model.declared, any(test.kind == "free" for test in setup.simulator.tests)
-    return (*unnamed(declared), *memories(declared, plain.swing.windows), *inner(declared, released))
+    windows = plain.swing.windows
+    curves = (c for c in profiles(declared, windows) if UPRIGHT in c.name and len(c.parameters) <= MANY + 1)
+    # What takes another form of what went before says little more where no swing shows either.
+    going_on = (c for c in inner(declared, released) if not c.after)
+    return (*unnamed(declared), *memories(declared, windows), *going_on, *curves)
 
 
 def _begun(

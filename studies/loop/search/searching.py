@@ -31,6 +31,7 @@ from studies.loop.whole.remaining import (
     declared_noise,
     explains,
     met,
+    one_is_lost,
     over_noise,
     remembers,
     roughly_begun,
@@ -224,14 +225,21 @@ def _enough(setup: Setup, term: Trial) -> tuple[Trial, Fit] | None:
     """A coefficient with its fit on whole records, if it explains them and the swings.
 
     Of one by which it is told but roughly how a swing begins, whole records alone have a say; which impacts one that
-    remembers them remembers is asked first.
+    remembers them remembers is asked first.  Whole records are rugged: where a single one is lost, they are fitted from
+    more starts before it is said that they are missed.
     """
     if not _of_swings(setup, term) and not remembers(term):
         return None
     term, whole = remembering_all(setup, term, whole_fit(setup, term))
     if not _of_swings(setup, term):
         return None
-    return (term, whole) if met(setup, whole, MISSED if by_chance(setup, term) else CLOSELY) else None
+    within = MISSED if by_chance(setup, term) else CLOSELY
+    if met(setup, whole, within):
+        return term, whole
+    if not one_is_lost(whole):
+        return None
+    whole = min(whole, whole_fit_from_many(setup, term, whole), key=lambda found: found.chi2)
+    return (term, whole) if met(setup, whole, within) else None
 
 
 def _of_swings(setup: Setup, term: Trial) -> bool:

@@ -162,10 +162,15 @@ def met(setup: Setup, whole: Fit, within: float) -> bool:
 
 def rms_but_for_one(whole: Fit) -> float:
     """Rms of whole records over their noise, but for a single one that is lost: it may hang on the base's noise."""
-    lost = whole.by_window > ROBUST
-    if np.count_nonzero(lost) != 1 or lost.size < MISSED_RECORDS + 1:
+    if not one_is_lost(whole):
         return whole.rms
-    return math.sqrt(float(np.mean(whole.by_window[~lost] ** 2)))
+    return math.sqrt(float(np.mean(whole.by_window[whole.by_window <= ROBUST] ** 2)))
+
+
+def one_is_lost(whole: Fit) -> bool:
+    """Whether a single record of several is lost."""
+    lost = whole.by_window > ROBUST
+    return np.count_nonzero(lost) == 1 and lost.size >= MISSED_RECORDS + 1
 
 
 def slips(trial: Trial) -> bool:

@@ -35,24 +35,23 @@ def _quiet_base(monkeypatch):
     monkeypatch.setattr(closing, "met", lambda setup, whole, within: whole.rms < within)
 
 
+@pytest.mark.parametrize("by_rotation", [True, False])
 @pytest.mark.parametrize(
-    ("criterion", "left", "by_rotation", "kept", "alike"),
+    ("criterion", "left", "kept", "alike"),
     [
         # Swings prefer the mass by a little, whole records refuse it: it is a twin, and not the answer.
-        (895.0, 30.0, True, [("tilt", False), ("mass", False)], (("tilt", "mass"),)),
+        (895.0, 30.0, [("tilt", False), ("mass", False)], (("tilt", "mass"),)),
         # Swings prefer it by far: the two disagree, and it is no twin.
-        (850.0, 30.0, True, [("tilt", False), ("mass", True)], ()),
-        (895.0, 1.0, True, [("mass", False), ("tilt", False)], (("mass", "tilt"),)),
+        (850.0, 30.0, [("tilt", False), ("mass", True)], ()),
+        (895.0, 1.0, [("mass", False), ("tilt", False)], (("mass", "tilt"),)),
         # Swings prefer the tilt by a little, whole records the mass by far: of twins they say which comes first.
-        (905.0, 0.3, True, [("mass", False), ("tilt", False)], (("mass", "tilt"),)),
-        (905.0, 0.3, False, [("tilt", False), ("mass", False)], (("tilt", "mass"),)),
+        (905.0, 0.3, [("mass", False), ("tilt", False)], (("mass", "tilt"),)),
         # It is no twin, and swings have said enough.
-        (930.0, 0.3, True, [("tilt", False), ("mass", False)], ()),
-        # Accelerometers hang too finely on the ends of whole records to ask these.
-        (895.0, 30.0, False, [("mass", False), ("tilt", False)], (("mass", "tilt"),)),
+        (930.0, 0.3, [("tilt", False), ("mass", False)], ()),
     ],
 )
 def test_what_whole_records_refuse_does_not_come_first(monkeypatch, criterion, left, by_rotation, kept, alike):
+    """Nor of accelerometers, of which whole records are when the side changes."""
     monkeypatch.setattr(closing, "explains_more", lambda _, one, other: one.rms < 0.5 * other.rms)
     monkeypatch.setattr(closing, "twins_from_many", lambda _, rivals, whole: rivals)  # no start is better here
     tilt = rival(TILT, 900.0, whole(1.0, 1.2))
@@ -106,8 +105,16 @@ def test_whole_records_that_are_missed_are_said(verdict, rms, ends, said):
     assert "settle on tilt" in notes[0]
 
 
-@pytest.mark.parametrize(("rms", "ends"), [((1.0, 1.0, 9.0, 8.0), "effect"), ((1.0, 9.0, 8.0), "unexplained")])
-def test_what_whole_records_alone_speak_for_has_to_explain_most_of_them(rms, ends):
+# A block that slipped a little was called a table that pitches, which two of six records were missed by far with.
+@pytest.mark.parametrize(
+    ("rms", "moved", "ends"),
+    [((1.0, 1.0, 9.0, 8.0), True, "effect"), ((1.0, 1.0, 9.0, 8.0), False, "unexplained")],
+)
+def test_what_whole_records_alone_speak_for_has_to_explain_them_as_far_as_the_base_lets_it(
+    monkeypatch, rms, moved, ends
+):
+    """Moved: whether the noise of the base does as much to those that are missed."""
+    monkeypatch.setattr(closing, "met", lambda setup, whole, within: moved and within == remaining.MISSED_BY_FAR)
     setup = SimpleNamespace(by_rotation=True)
     assert closing._of_whole_records(setup, TILT, "effect", whole(*rms), {"tilt"})[0] == ends
     # Of an effect that swings show, records that are lost do not speak against it.
@@ -345,6 +352,32 @@ def test_alike_is_what_swings_hardly_tell_from_what_was_learned(monkeypatch):
 
     monkeypatch.setattr(learning, "search", search)
     assert [t.name for t in learning.alike(None, "less", found, None)] == ["fine", "near upright"]
+
+
+@pytest.mark.parametrize(
+    ("by_swings", "rms", "prefers", "taken"),
+    [
+        # A weak magnet near upright, which no swing shows: a gain of the base sensor left 1.27 of whole records, a
+        # curve near upright 0.99.
+        (0.0, 1.27, True, True),
+        (0.0, 1.27, False, False),
+        (0.0, 1.05, True, False),  # met closely
+        (100.0, 1.27, True, False),  # swings speak for the name
+    ],
+)
+def test_a_name_of_whole_records_alone_that_does_not_meet_them_gives_way(monkeypatch, by_swings, rms, prefers, taken):
+    plain, found = explained_trial(9_000.0), explained_trial(9_000.0 - by_swings, "base_motion_gain")
+    curve = explained_trial(9_000.0, "learned_curve")
+    monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.0)
+    monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
+    monkeypatch.setattr(closing, "met", lambda setup, whole, within: whole.rms < within)
+    monkeypatch.setattr(closing, "_one_in_place_of", lambda *_: None)
+    monkeypatch.setattr(closing, "unseen", lambda setup, onto, bare, tell: curve if bare == "bare" else None)
+    monkeypatch.setattr(closing, "whole_fit", lambda setup, trial, whole: trial)
+    monkeypatch.setattr(closing, "explains_more", lambda setup, one, other: one is curve and prefers)
+    setup = SimpleNamespace(by_rotation=True, simulator=None, records=[], swings=())
+    chosen = closing._explained(setup, plain, "bare", found, records(rms), lambda text: None)
+    assert chosen == ((curve, "unexplained") if taken else (found, "effect"))
 
 
 @pytest.mark.parametrize(

@@ -136,6 +136,9 @@ def test_forms_have_few_coefficients_and_none_is_an_effect_with_a_name(kinds, st
     assert {"learned[mode]", "learned[hysteresis]", "learned[side]", "restitution_drift"} < set(found)
     assert not {"learned[damping]", "learned[bias]", "learned[restitution_speed]"} & set(found)
     assert max(len(c.parameters) for c in found.values()) == 5
+    assert {name for name in found if "curve" in name} == {
+        f"learned[curve {way}, near upright]" for way in ("alike on both sides", "by side")
+    }
     # What was pulled before it was let go is asked only of tests that begin so.
     there = "learned_hysteresis.strained" in [p.name for p in found["learned[hysteresis]"].parameters]
     assert there is strained
