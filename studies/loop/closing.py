@@ -316,12 +316,12 @@ def _otherwise(
         # A string that is slack up to some lean looks much like any other torque that grows with it.
         if closely or met(setup, whole, CLOSELY):
             return None
-        found = _one_in_place_of(setup, plain, named, whole, tell)
-        if found is not None or bic(named.swing) <= bic(plain.swing) - PAYS:
-            return found
+        one = _one_in_place_of(setup, plain, named, whole, tell)
+        if one is not None or bic(named.swing) <= bic(plain.swing) - PAYS:
+            return one
         # Whole records alone speak for it, and are not met: they are asked what else does.
-        found = unseen(setup, plain, bare, tell)
-        return found if found is not None and explains_more(setup, whole_fit(setup, found, whole), whole) else None
+        one = unseen(setup, plain, bare, tell)
+        return one if one is not None and explains_more(setup, whole_fit(setup, one, whole), whole) else None
     tell("asking whether one law without a name explains it")
     declared, windows = plain.swing.model.declared, plain.swing.windows
     laws = (*memories(declared, windows), *(c for c in profiles(declared, windows) if c.effect == LOSS))
