@@ -101,7 +101,7 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     if _one_term_is_enough(setup, plain, tell):
         rounds = [replace(r, skipped=r.skipped | {c.name: ONE_TERM for c in r.put_off}) for r in rounds]
         return _told(setup, quick, paths, greedy, rounds)
-    beside = _term_beside(setup, quick, tell) if floor is None else None
+    beside = _term_beside(setup, plain, quick, tell) if floor is None else None
     if beside is not None:
         rounds = [replace(r, skipped=r.skipped | {c.name: ONE_BESIDE for c in r.put_off}) for r in rounds]
         return replace(_told(setup, quick, paths, greedy, rounds), term=beside)
@@ -175,14 +175,22 @@ def _one_term_is_enough(setup: Setup, plain: Trial, tell: Tell) -> bool:
     return best is not None and _enough(setup, best) is not None
 
 
-def _term_beside(setup: Setup, path: Path, tell: Tell) -> Trial | None:
-    """What was found with a coefficient without a name beside it, where that leaves nothing and is not refused."""
+def _term_beside(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial | None:
+    """What was found with a coefficient without a name beside it, where that leaves nothing and is not refused.
+
+    Names that the coefficient does not need, as swings have it, may only undo what it does in a record that is lost.
+    """
     if not path.last.parts or slips(path.last) or not setup.by_rotation or not declared_noise(setup):
         return None
     tell("something is left: asking coefficients without a name beside what was found")
     pool = open_to(path.last, by_itself(setup.simulator, path.last))
     best = search(setup.simulator, path.last, pool, tell, repeated=True, leading=True).best
-    found = _enough(setup, best) if best is not None and pays(path.last.swing, best.swing) else None
+    if best is None or not pays(path.last.swing, best.swing):
+        return None
+    alone = search(setup.simulator, plain, [best.parts[-1]], tell).best
+    if alone is not None and not pays(alone.swing, best.swing):
+        return None
+    found = _enough(setup, best)
     return found[0] if found is not None and explains_more(setup, found[1], path.whole) else None
 
 

@@ -82,7 +82,7 @@ def ways(monkeypatch):
     told.asked_for_a_form = searching._form_in_place
     monkeypatch.setattr(searching, "_form_in_place", lambda setup, plain, path, tell: told.form)
     told.asked_beside = searching._term_beside
-    monkeypatch.setattr(searching, "_term_beside", lambda setup, path, tell: told.beside)
+    monkeypatch.setattr(searching, "_term_beside", lambda setup, plain, path, tell: told.beside)
     told.coefficient = searching._coefficient
     monkeypatch.setattr(searching, "_coefficient", lambda setup, plain, tell: None)
     for module in (rounds, searching):
@@ -180,6 +180,9 @@ def test_floors_are_not_tried_where_one_coefficient_beside_what_was_found_leaves
         pytest.param({"declared": False}, False, id="estimated noise"),
         pytest.param({"found": False}, False, id="no coefficient"),
         pytest.param({"chi2": 945.0}, False, id="it does not pay"),
+        # A sensor that is not linear left 3900 by itself, and 3932 beside two names.
+        pytest.param({"alone": 555.0}, False, id="it needs no names"),
+        pytest.param({"alone": None}, True, id="it leads nowhere without the names"),
         pytest.param({"left": 1.06}, False, id="it leaves structure"),
         pytest.param({"whole": 1.31}, False, id="it misses whole records"),
         pytest.param({"preferred": False}, False, id="whole records do not prefer it"),
@@ -187,10 +190,11 @@ def test_floors_are_not_tried_where_one_coefficient_beside_what_was_found_leaves
 )
 def test_a_coefficient_is_taken_beside_what_was_found_where_it_leaves_nothing(ways, monkeypatch, change, taken):
     told = SimpleNamespace(names=("a",), slips=False, rotation=True, declared=True, found=True, chi2=500.0, left=1.01)
-    told.whole, told.preferred = 1.0, True
+    told.whole, told.preferred, told.alone = 1.0, True, 565.0
     vars(told).update(change)
     ways.declared, ways.whole, ways.chance = told.declared, told.whole, True
     path, term = path_of(*told.names, chi2=1000.0), path_of(*told.names, "learned", chi2=told.chi2)
+    plain = path_of()
     monkeypatch.setattr(searching, "slips", lambda trial: told.slips)
     monkeypatch.setattr(searching, "by_itself", lambda simulator, onto: "all" if onto is path else "none")
     monkeypatch.setattr(searching, "open_to", lambda trial, pool: [pool] if trial is path else [])
@@ -200,7 +204,10 @@ def test_a_coefficient_is_taken_beside_what_was_found_where_it_leaves_nothing(wa
         searching, "explains_more", lambda setup, one, other: told.preferred and (one.of, other) == (term.names, path)
     )
 
-    def search(simulator, onto, pool, tell, repeated, leading):
+    def search(simulator, onto, pool, tell, repeated=False, leading=False):
+        if onto is plain:
+            assert pool == [term.parts[-1]]
+            return Round(onto, [path_of("learned", chi2=told.alone)] if told.alone else [])
         assert (onto, pool, repeated, leading) == (path, ["all"], True, True)
         return Round(onto, [term] if told.found else [])
 
@@ -208,7 +215,7 @@ def test_a_coefficient_is_taken_beside_what_was_found_where_it_leaves_nothing(wa
     setup = setup_of(told.rotation)
     setup.simulator = None
     on_the_way = SimpleNamespace(last=path, whole=path)
-    assert ways.asked_beside(setup, on_the_way, lambda text: None) is (term if taken else None)
+    assert ways.asked_beside(setup, plain, on_the_way, lambda text: None) is (term if taken else None)
 
 
 def test_floors_are_not_tried_where_one_form_leaves_nothing(ways):
