@@ -178,7 +178,7 @@ def _one_term_is_enough(setup: Setup, plain: Trial, tell: Tell) -> bool:
 def _term_beside(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial | None:
     """What was found with a coefficient without a name beside it, where that leaves nothing and is not refused.
 
-    Names that the coefficient does not need, as swings have it, may only undo what it does in a record that is lost.
+    Names that the coefficient does not need, as swings have it, only mend a record that is lost: it stands by itself.
     """
     if not path.last.parts or slips(path.last) or not setup.by_rotation or not declared_noise(setup):
         return None
@@ -187,11 +187,11 @@ def _term_beside(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial | 
     best = search(setup.simulator, path.last, pool, tell, repeated=True, leading=True).best
     if best is None or not pays(path.last.swing, best.swing):
         return None
-    alone = search(setup.simulator, plain, [best.parts[-1]], tell).best
-    if alone is not None and not pays(alone.swing, best.swing):
-        return None
     found = _enough(setup, best)
-    return found[0] if found is not None and explains_more(setup, found[1], path.whole) else None
+    if found is None or not explains_more(setup, found[1], path.whole):
+        return None
+    alone = search(setup.simulator, plain, [best.parts[-1]], tell).best
+    return alone if alone is not None and not pays(alone.swing, best.swing) else found[0]
 
 
 def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial | None:

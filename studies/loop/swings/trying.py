@@ -81,9 +81,13 @@ def on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> First | 
 
 
 def on_all(simulator: Simulator, onto: Trial, candidate: Candidate, first: First) -> Fit:
-    """The candidate fitted to all windows by a few steps from its best start."""
+    """The candidate fitted to all windows by a few steps from its best start.
+
+    States that serve it worse than none of it does, of one that does much, are begun from what records show, too: all
+    at once it would go anywhere from there.
+    """
     whole = onto.swing.windows
-    if not candidate.smooth:
+    if not candidate.smooth or fit(simulator, first.model, [], whole, iterations=0).chi2 > onto.swing.chi2:
         whole = tuple(afresh(simulator, first.model, whole)[0])
     promising = first.gained > NOTHING * PAYS
     return fit(simulator, first.model, first.parameters, whole, iterations=4 if promising else 1)

@@ -181,7 +181,7 @@ def test_floors_are_not_tried_where_one_coefficient_beside_what_was_found_leaves
         pytest.param({"found": False}, False, id="no coefficient"),
         pytest.param({"chi2": 945.0}, False, id="it does not pay"),
         # A sensor that is not linear left 3900 by itself, and 3932 beside two names.
-        pytest.param({"alone": 555.0}, False, id="it needs no names"),
+        pytest.param({"alone": 555.0}, "alone", id="it needs no names"),
         pytest.param({"alone": None}, True, id="it leads nowhere without the names"),
         pytest.param({"left": 1.06}, False, id="it leaves structure"),
         pytest.param({"whole": 1.31}, False, id="it misses whole records"),
@@ -194,7 +194,7 @@ def test_a_coefficient_is_taken_beside_what_was_found_where_it_leaves_nothing(wa
     vars(told).update(change)
     ways.declared, ways.whole, ways.chance = told.declared, told.whole, True
     path, term = path_of(*told.names, chi2=1000.0), path_of(*told.names, "learned", chi2=told.chi2)
-    plain = path_of()
+    plain, alone = path_of(), path_of("learned", chi2=told.alone)
     monkeypatch.setattr(searching, "slips", lambda trial: told.slips)
     monkeypatch.setattr(searching, "by_itself", lambda simulator, onto: "all" if onto is path else "none")
     monkeypatch.setattr(searching, "open_to", lambda trial, pool: [pool] if trial is path else [])
@@ -207,7 +207,7 @@ def test_a_coefficient_is_taken_beside_what_was_found_where_it_leaves_nothing(wa
     def search(simulator, onto, pool, tell, repeated=False, leading=False):
         if onto is plain:
             assert pool == [term.parts[-1]]
-            return Round(onto, [path_of("learned", chi2=told.alone)] if told.alone else [])
+            return Round(onto, [alone] if told.alone else [])
         assert (onto, pool, repeated, leading) == (path, ["all"], True, True)
         return Round(onto, [term] if told.found else [])
 
@@ -215,7 +215,8 @@ def test_a_coefficient_is_taken_beside_what_was_found_where_it_leaves_nothing(wa
     setup = setup_of(told.rotation)
     setup.simulator = None
     on_the_way = SimpleNamespace(last=path, whole=path)
-    assert ways.asked_beside(setup, plain, on_the_way, lambda text: None) is (term if taken else None)
+    found = ways.asked_beside(setup, plain, on_the_way, lambda text: None)
+    assert found is {True: term, False: None, "alone": alone}[taken]
 
 
 def test_floors_are_not_tried_where_one_form_leaves_nothing(ways):
