@@ -34,6 +34,7 @@ from studies.loop.whole.remaining import (
     one_is_lost,
     over_noise,
     remembers,
+    rms_but_for_one,
     roughly_begun,
     slips,
     unexplained,
@@ -234,7 +235,7 @@ def _enough(setup: Setup, term: Trial) -> tuple[Trial, Fit] | None:
 
     Of one by which it is told but roughly how a swing begins, whole records alone have a say; which impacts one that
     remembers them remembers is asked first.  Whole records are rugged: where a single one is lost, they are fitted from
-    more starts before it is said that they are missed.
+    more starts, and the others have to be met.
     """
     if not _of_swings(setup, term) and not remembers(term):
         return None
@@ -247,7 +248,7 @@ def _enough(setup: Setup, term: Trial) -> tuple[Trial, Fit] | None:
     if not one_is_lost(whole):
         return None
     whole = min(whole, whole_fit_from_many(setup, term, whole), key=lambda found: found.chi2)
-    return (term, whole) if met(setup, whole, within) else None
+    return (term, whole) if met(setup, whole, within) or rms_but_for_one(whole) < within else None
 
 
 def _of_swings(setup: Setup, term: Trial) -> bool:

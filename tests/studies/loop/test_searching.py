@@ -13,21 +13,24 @@ from studies.loop.whole import remaining
 def no_record_is_lost(monkeypatch):
     """But where a test says so."""
     monkeypatch.setattr(searching, "one_is_lost", lambda whole: False)
+    monkeypatch.setattr(searching, "rms_but_for_one", lambda whole: whole.rms)
 
 
 @pytest.mark.parametrize(
-    ("lost", "many", "enough"),
+    ("lost", "many", "others", "enough"),
     [
         # A restitution by side: one earthquake of six records was lost and the others met to 1.5 to 1.8 times their
         # noise; from another start all others are met to 1.04, and the base moves that one as much.
-        (True, 1.04, True),
-        (True, 1.4, False),
-        (False, 1.04, False),
+        (True, 1.04, 1.04, True),
+        # Of a sensor that is not linear a ramp of six records falls from any start, and the others are met.
+        (True, 139.0, 1.05, True),
+        (True, 1.4, 1.4, False),
+        (False, 1.04, 1.04, False),
     ],
 )
-def test_where_one_record_is_lost_a_coefficient_is_fitted_from_more_starts(monkeypatch, lost, many, enough):
+def test_where_one_record_is_lost_a_coefficient_is_fitted_from_more_starts(monkeypatch, lost, many, others, enough):
     term, first, better = SimpleNamespace(parts=(), costly=False), *(
-        SimpleNamespace(rms=rms, chi2=1000.0 * rms) for rms in (5.6, many)
+        SimpleNamespace(rms=rms, chi2=chi2) for rms, chi2 in ((5.6, 5600.0), (many, 1000.0))
     )  # fmt: skip
     for name, stub in {
         "_of_swings": lambda setup, term: True,
@@ -36,6 +39,7 @@ def test_where_one_record_is_lost_a_coefficient_is_fitted_from_more_starts(monke
         "by_chance": lambda setup, term: True,
         "met": lambda setup, whole, within: whole.rms < within,
         "one_is_lost": lambda whole: lost,
+        "rms_but_for_one": lambda whole: others if whole is better else 1.5,
         "whole_fit_from_many": lambda setup, term, whole: better,
     }.items():
         monkeypatch.setattr(searching, name, stub)
