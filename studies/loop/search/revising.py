@@ -211,7 +211,7 @@ def _exchanged(setup: Setup, stands: Revision, known: set[frozenset[str]]) -> tu
 
 
 def _refused(setup: Setup, stands: Revision, whole: Fit) -> bool:
-    """Whether whole records speak against what would take its place; accelerometers hang too finely on its ends."""
+    """Whether whole records speak against what would take its place; those of accelerometers are not asked."""
     return setup.by_rotation and explains_more(setup, stands.whole, whole)
 
 

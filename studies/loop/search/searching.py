@@ -104,7 +104,8 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
         return _told(setup, quick, paths, greedy, rounds)
     beside = _term_beside(setup, plain, quick, tell) if floor is None else None
     if beside is not None:
-        rounds = [replace(r, skipped=r.skipped | {c.name: ONE_BESIDE for c in r.put_off}) for r in rounds]
+        why = ONE_BESIDE if len(beside.parts) > 1 else ONE_TERM
+        rounds = [replace(r, skipped=r.skipped | {c.name: why for c in r.put_off}) for r in rounds]
         return replace(_told(setup, quick, paths, greedy, rounds), term=beside)
     form = _form_in_place(setup, plain, quick, tell) if floor is None else None
     if form is not None:

@@ -108,7 +108,11 @@ def test_whole_records_that_are_missed_are_said(verdict, rms, ends, said):
 # A block that slipped a little was called a table that pitches, which two of six records were missed by far with.
 @pytest.mark.parametrize(
     ("rms", "moved", "ends"),
-    [((1.0, 1.0, 9.0, 8.0), True, "effect"), ((1.0, 1.0, 9.0, 8.0), False, "unexplained")],
+    [
+        ((1.0, 1.0, 9.0, 8.0), True, "effect"),
+        ((1.0, 1.0, 9.0, 8.0), False, "unexplained"),
+        ((1.0, 9.0, 8.0), False, "unexplained"),
+    ],
 )
 def test_what_whole_records_alone_speak_for_has_to_explain_them_as_far_as_the_base_lets_it(
     monkeypatch, rms, moved, ends

@@ -140,7 +140,7 @@ def test_floors_are_not_tried_where_one_coefficient_without_a_name_leaves_nothin
         (True, True, True, 1.036, False, 1.15, False),
         (True, True, True, 1.06, False, 0.97, False),
         (True, True, False, 1.01, True, 1.0, False),
-        (False, True, True, 1.01, True, 1.0, False),  # accelerometers hang too finely on when the side changes
+        (False, True, True, 1.01, True, 1.0, False),  # those of accelerometers are not asked
         (True, False, True, 1.01, True, 1.0, False),  # an estimated noise holds what it was estimated from
     ],
 )
@@ -164,14 +164,22 @@ def test_one_coefficient_is_enough_where_it_leaves_noise_of_swings_and_whole_rec
     assert ways.asked_for_a_term(setup, plain, lambda text: None) is enough
 
 
-def test_floors_are_not_tried_where_one_coefficient_beside_what_was_found_leaves_nothing(ways):
-    """Friction of guides beside a centre of mass off the middle."""
+@pytest.mark.parametrize(
+    ("beside", "said"),
+    [
+        # Friction of guides beside a centre of mass off the middle; a sensor that is not linear needs no names.
+        (("a", "learned[friction]"), searching.ONE_BESIDE),
+        (("learned[reading cubic]",), searching.ONE_TERM),
+        ((), searching.ONE_FORM),
+    ],
+)
+def test_floors_are_not_tried_where_a_coefficient_beside_what_was_found_or_a_form_leaves_nothing(ways, beside, said):
     ways.explains = ways.chance = False
     ways.accepted = {((), True): path_of("a")}
-    ways.beside, ways.form = path_of("a", "learned[friction]"), path_of("learned[curve]")
+    ways.beside, ways.form = path_of(*beside) if beside else None, path_of("learned[curve]")
     found = searched()
-    assert found.term is ways.beside and not any(not later for _, later, _ in ways.rounds)
-    assert all(r.skipped == {"floor": searching.ONE_BESIDE} for r in found.rounds)
+    assert found.term is (ways.beside or ways.form) and not any(not later for _, later, _ in ways.rounds)
+    assert all(r.skipped == {"floor": said} for r in found.rounds)
 
 
 @pytest.mark.parametrize(
@@ -221,15 +229,6 @@ def test_a_coefficient_is_taken_beside_what_was_found_where_it_leaves_nothing(wa
     on_the_way = SimpleNamespace(last=path, whole=path)
     found = ways.asked_beside(setup, plain, on_the_way, lambda text: None)
     assert found is {True: term, False: None, "alone": alone}[taken]
-
-
-def test_floors_are_not_tried_where_one_form_leaves_nothing(ways):
-    ways.explains = ways.chance = False
-    ways.accepted = {((), True): path_of("a")}
-    ways.form = path_of("learned[curve]")
-    found = searched()
-    assert found.term is ways.form and not any(not later for _, later, _ in ways.rounds)
-    assert all(r.skipped == {"floor": searching.ONE_FORM} for r in found.rounds)
 
 
 @pytest.mark.parametrize(
