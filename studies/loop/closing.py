@@ -489,8 +489,8 @@ def _unseen(setup: Setup) -> tuple[str, ...]:
     if setup.by_rotation:
         return ()
     return (
-        "accelerometers alone were measured: effects that act at lift-off only (adhesion) were not tried, since of whole "
-        "records it is compared when the side changes, which no effect is put to by itself",
+        "accelerometers alone were measured: effects that act at lift-off only (adhesion) were not tried, since no "
+        "swing shows them, and of whole records little else is compared than when the side changes",
     )
 
 
