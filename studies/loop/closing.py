@@ -260,7 +260,7 @@ def _explained(
             return other, "unexplained"
     if not structured and len(named.parts) < 2:
         # Of what no swing shows whole records may say what it is.
-        seen = named.parts or not (setup.by_rotation and missed(whole))
+        seen = named.parts or not (setup.by_rotation and missed(setup, whole))
         learned = None if seen else unseen(setup, plain, whole, tell)
         if learned is not None:
             return learned, "unexplained"
@@ -427,7 +427,7 @@ def _of_whole_records(
         "them predictable"
         for name in by_them
     ]
-    if verdict == "unexplained" or not (setup.by_rotation and missed(whole)):
+    if verdict == "unexplained" or not (setup.by_rotation and missed(setup, whole)):
         return verdict, notes
     if verdict == "none":
         notes.append(
@@ -440,10 +440,8 @@ def _of_whole_records(
         f"{far} of {len(whole.windows)} whole records are missed by more than {MISSED_BY_FAR:g} times their noise with "
         "what was found: it does not carry to their end, and something else may act"
     )
-    # What whole records alone speak for has to explain them, but for what the noise of the base does to them.
-    if len(by_them) == len(chosen.names) and not met(setup, whole, MISSED_BY_FAR):
-        return "unexplained", notes
-    return verdict, notes
+    # What whole records alone speak for has to explain them.
+    return "unexplained" if len(by_them) == len(chosen.names) else verdict, notes
 
 
 def _borne_out(setup: Setup, rivals: Sequence[Rival], chosen: Trial, whole: Fit) -> tuple[Rival, ...]:

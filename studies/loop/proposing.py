@@ -88,7 +88,7 @@ def next_test(finding: Finding) -> str:
 def _repeated(finding: Finding) -> str:
     """The test to repeat as it was where something is missed and no model differs from the ideal block."""
     tests = finding.setup.campaign.tests
-    if finding.setup.by_rotation and missed(finding.after_fit):
+    if finding.setup.by_rotation and missed(finding.setup, finding.after_fit):
         far, windows, what = finding.after_fit.by_window, finding.after_fit.windows, "its record is"
         k = int(np.argmax(far))
     else:

@@ -5,9 +5,11 @@ acceleration of a rocking block changes sign with it.  For each sample three hyp
 to -x) are weighed, and the likeliest sequence of them is found (Viterbi).  Each stretch of one side is then fitted with
 a free state.  What comes out serves to cut records into swings; effects are judged in the channels themselves.
 
-The block's own mass may be other than a uniform rectangle's; a reading, in which rotation and angular acceleration
-nearly cancel, then tells a rotation that is far off.  Where stretches are missed by far, centre of mass and inertia are
-fitted along with their states, and sides and rotations are found by these.
+The block's own mass may be other than a uniform rectangle's, or off its middle; a reading, in which rotation and
+angular acceleration nearly cancel, then tells a rotation that is far off, or none.  Where stretches are missed by far,
+centre of mass and inertia are fitted along with their states, and sides and rotations are found by these.  A stretch
+that is still missed by far has the rotation that kinematics alone give (`studies.loop.records.kinematics`): some other
+torque acts in it.
 
 Source   Viterbi (1967) for the sequence.
 Status   mounting angles are estimated from what the sensors read at rest; free and forced runs are got back (tests).
@@ -34,11 +36,12 @@ from studies.loop.models.model import MOUNTING, LoopModel
 from studies.loop.models.parameters import Parameter
 from studies.loop.observed.observing import readings
 from studies.loop.observed.windows import SIDE, Record, Window, cut
+from studies.loop.records.kinematics import Ends, Sensor, turned
 from studies.loop.runs.simulation import Job, Simulator
 
 Array = NDArray[np.float64]
 
-MASS = "mass_distribution"
+MASS, OFF = "mass_distribution", "eccentric_mass"
 
 NEAR_IMPACT = 2
 """Samples on either side of a change of side that are not compared: the jump falls somewhere between them."""
@@ -69,6 +72,12 @@ FEW = 60
 
 ANEW, SETTLED = 6, 0.01
 """How often their states are looked for anew at the most, and the share of the sum of squares that ends it."""
+
+LOST = 0.1
+"""Share of the samples of a stretch at which the ideal block may have left its side and yet be taken to fit it."""
+
+KNOTS = 0.125
+"""Between knots of a spline through a stretch, over the time 1 / p of the block [1]."""
 
 SCANNED = np.linspace(0.03, 0.99, 40)
 """States at the start of a stretch that are tried, as shares of the largest (to the power 3/2: denser for small)."""
@@ -111,20 +120,34 @@ def with_its_mass(simulator: Simulator, model: LoopModel, records: Sequence[Reco
     windows = _longest(simulator, model, records)
     if len(windows) < LEAST:
         return model
-    before = fit(simulator, model, [], windows, iterations=10)
-    if before.chi2 < MISSED * before.samples:
-        return model
-    by_mass = next(c for c in candidates(model.declared) if c.effect == MASS)
-    after = _of_mass(simulator, model.changed(by_mass.starts[0]), by_mass.parameters, records)
-    return after.model if after.chi2 < before.chi2 / MUCH_BETTER else model
+    stands = fit(simulator, model, [], windows, iterations=10)
+    pool = {c.effect: c for c in candidates(model.declared) if c.effect in (MASS, OFF)}
+    for _ in range(len(pool)):
+        if stands.chi2 < MISSED * stands.samples:
+            break
+        found = []
+        for effect in pool.keys() - stands.model.effects.keys():
+            start = {f"{OFF}.offset": 0.0} if effect == OFF else pool[effect].starts[0]
+            parameters = (*stands.parameters, *pool[effect].parameters)
+            found.append(_of_mass(simulator, stands.model.changed(start), parameters, records))
+        best = min(found, key=lambda f: f.chi2)
+        if best.chi2 >= stands.chi2 / MUCH_BETTER:
+            break
+        stands = best
+    return stands.model if stands.parameters else model
 
 
 def read_by(model: LoopModel) -> str:
     """What is to be said of records that were read with another mass than the uniform block's."""
-    own = model.effects[MASS]
+    own, said = model.effects, []
+    if MASS in own:
+        mass = own[MASS]
+        said.append(f"at {mass['height']:.4g} m and an inertia of {mass['inertia']:.4g} kg m^2 about it")
+    if OFF in own:
+        said.append(f"off the middle by {1e3 * own[OFF]['offset']:.3g} mm")
     return (
-        f"accelerometers were turned into rotations with a centre of mass at {own['height']:.4g} m and an inertia of "
-        f"{own['inertia']:.4g} kg m^2 about it: with the declared ones they are missed by far"
+        f"accelerometers were turned into rotations with a centre of mass {', and '.join(said)}: with the declared "
+        "ones they are missed by far"
     )
 
 
@@ -333,7 +356,8 @@ def _rotation(
     if not where:
         return rotation, [], record.time.size
     windows = _windows(simulator, model, [(record, part) for part in where])
-    fitted = fit(simulator, model, [], windows, iterations=10).windows
+    found = fit(simulator, model, [], windows, iterations=10)
+    fitted = found.windows
     fell = record.time.size
     times = [record.time[_inner(part, record)] for part in where]
     answers = simulator.run([model], [
@@ -341,15 +365,44 @@ def _rotation(
     ])  # fmt: skip
     side_before = {part.stop: part.side for part in parts}
     changes = []
-    for part, answer, w in zip(where, answers, fitted, strict=True):
-        own = np.where(np.sign(answer.theta) == part.side, answer.theta, np.nan)
+    for part, answer, w, rms in zip(where, answers, fitted, found.by_window, strict=True):
+        theta, speed = answer.theta, w.omega
+        # Samples at which the run has left the side are compared with nothing.
+        lost = float(np.mean(np.sign(theta) != part.side)) > LOST
+        if lost or rms**2 > MISSED:
+            turned, speeds, left = _by_kinematics(simulator, model, record, part)
+            if lost or left < rms**2:
+                theta, speed = turned, float(speeds[0])
+        own = np.where(np.sign(theta) == part.side, theta, np.nan)
         rotation[_inner(part, record)] = own
         if side_before.get(part.start) == -part.side:
-            changes.append((part, w.omega))
+            changes.append((part, speed))
         beyond = np.flatnonzero(np.abs(own) > model.declared.alpha)
         if beyond.size and not np.any(np.abs(own[beyond[-1] :]) < model.declared.alpha):
             fell = min(fell, int(np.arange(record.time.size)[_inner(part, record)][beyond[0]]))
     return rotation, changes, fell
+
+
+def _by_kinematics(
+    simulator: Simulator, model: LoopModel, record: Record, part: Stretch
+) -> tuple[Array, Array, float]:  # fmt: skip
+    """Rotation and angular speed at the samples of a stretch, whatever acts in it, and the mean square left."""
+    inner, step = _inner(part, record), simulator.tests[record.test].time_step
+    first, last = part.start == 0, part.stop == record.time.size
+    alpha, p = model.declared.alpha, model.declared.p(model.g)
+    begin = float(record.time[part.start] - (0.0 if first else 0.5 * step))
+    end = float(record.time[part.stop - 1] + (0.0 if last else 0.5 * step))
+    ends = Ends(begin, end, (not first, not last), first and record.kind == "free", p * alpha * step / math.sqrt(12.0))
+    base = simulator.base(model, record.test)
+    sensors = [
+        Sensor(c.position, model.axis(c), float(record.noises[k, 0]))
+        for k, c in enumerate(record.channels) if c.position is not None
+    ]  # fmt: skip
+    intervals = max(1, math.ceil((end - begin) * p / KNOTS))
+    return turned(
+        record.time[inner], record.observed[: len(sensors), inner], sensors, (base.a_x[inner], base.a_z[inner]),
+        float(model.g), 0.5 * part.side * model.declared.breadth, ends, intervals, alpha,
+    )  # fmt: skip
 
 
 def _inner(part: Stretch, record: Record) -> slice:

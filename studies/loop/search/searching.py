@@ -349,9 +349,13 @@ def _with_a_third(setup: Setup, path: Path, pool: Sequence[Candidate], tell: Tel
 
 
 def _going_back(setup: Setup, greedy: Path, pool: Sequence[Candidate], tell: Tell) -> list[Path]:
-    """Where a path leaves something, those from effects that came near its first one, up to one that leaves nothing."""
+    """Where a path leaves something, those from effects that came near its first one, up to one that leaves nothing.
+
+    Where it has none, since whole records refused what explains most of the swings, from that: one of two effects may
+    spoil what the calibrated block met by chance, and both explain all.
+    """
     found: list[Path] = []
-    if len(greedy.trials) < 2 or _leaves_nothing(setup, greedy):
+    if _leaves_nothing(setup, greedy):
         return found
     for trial in _near_the_first(greedy):
         tell(f"something is left: again from {trial.names[-1]}")
@@ -377,7 +381,8 @@ def _near_the_first(path: Path) -> list[Trial]:
     plain = path.trials[0]
     others = [t for t in path.rounds[0].trials if not t.costly and pays(plain.swing, t.swing)]
     ranked = sorted(others, key=lambda t: bic(t.swing))
-    enough = NEARLY_FIRST * max(bic(plain.swing) - bic(t.swing) for t in (path.trials[1], *ranked))
+    gains = [bic(plain.swing) - bic(t.swing) for t in (*path.trials[1:2], *ranked)]
+    enough = NEARLY_FIRST * max(gains, default=0.0)
     best: dict[tuple[str, ...], Trial] = {}
     for trial in ranked:
         # What the path took later is looked at again by itself (`revising`).
@@ -390,8 +395,8 @@ def _best(setup: Setup, paths: Sequence[Path]) -> Path:
     """The path that serves best, the first one if none does better by far."""
     best = paths[0]
     for path in paths[1:]:
-        # What is more than the best one has was tried on top of it.
-        more = set(best.last.names) < set(path.last.names)
+        # What is more than the best one has was tried on top of it; the first of several beside nothing was not.
+        more = bool(best.last.names) and set(best.last.names) < set(path.last.names)
         if not more and _serves_better(setup, path, best):
             best = path
     return best

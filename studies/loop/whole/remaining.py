@@ -9,6 +9,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rocking.effects.learned_reading import LearnedReading
 from studies.loop.fits.fitting import Fit
@@ -103,7 +104,7 @@ def swings_that_count(setup: Setup, trial: Trial) -> list[int]:
 
 def explains(setup: Setup, trial: Trial, whole: Fit) -> bool:
     """Whether a trial leaves nothing in the swings, nor in whole records of the rotation."""
-    return not (setup.by_rotation and missed(whole)) and over_noise(setup, trial) < structure(setup)
+    return not (setup.by_rotation and missed(setup, whole)) and over_noise(setup, trial) < structure(setup)
 
 
 PLAY = f"{LearnedReading.name}.play"
@@ -140,10 +141,12 @@ def remembers(trial: Trial) -> bool:
     return any(p.name in REMEMBERED for p in trial.parameters)
 
 
-def missed(whole: Fit) -> bool:
-    """Whether whole records cannot be called explained."""
-    missed = int(np.count_nonzero(whole.by_window > MISSED_BY_FAR))
-    return whole.rms > MISSED_BY_FAR and missed >= min(MISSED_RECORDS, len(whole.by_window))
+def missed(setup: Setup, whole: Fit) -> bool:
+    """Whether whole records cannot be called explained: some are missed by far, and by more than base noise does."""
+    far, least = whole.by_window > MISSED_BY_FAR, min(MISSED_RECORDS, len(whole.by_window))
+    if whole.rms <= MISSED_BY_FAR or np.count_nonzero(far) < least:
+        return False
+    return int(np.count_nonzero(whole.by_window[far] > _moved(setup, whole, far))) >= least
 
 
 def met(setup: Setup, whole: Fit, within: float) -> bool:
@@ -155,9 +158,13 @@ def met(setup: Setup, whole: Fit, within: float) -> bool:
     if whole.rms < within:
         return True
     far = whole.by_window >= within
-    windows = [w for w, is_far in zip(whole.windows, far, strict=True) if is_far]
-    moved = furthest_moved(setup.simulator, setup.noisy, len(setup.campaign.tests), whole.model, windows)
-    return bool(np.all(whole.by_window[far] <= moved))
+    return bool(np.all(whole.by_window[far] <= _moved(setup, whole, far)))
+
+
+def _moved(setup: Setup, whole: Fit, records: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """How far redrawn noise of the base moves these records now and then, over their noise [1]; shape (record,)."""
+    windows = [w for w, asked in zip(whole.windows, records, strict=True) if asked]
+    return furthest_moved(setup.simulator, setup.noisy, len(setup.campaign.tests), whole.model, windows)
 
 
 def rms_but_for_one(whole: Fit) -> float:

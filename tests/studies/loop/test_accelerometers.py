@@ -15,6 +15,8 @@ from excitation import RampedSinusoid
 from rocking import Block, Method1, solve
 from rocking.effect import Effect
 from rocking.effects import compose
+from rocking.effects.eccentric_mass import EccentricMass
+from rocking.effects.learned_term import LearnedTerm
 from rocking.effects.mass_distribution import MassDistribution
 from rocking.instruments import accelerometer
 from studies.campaigns import Campaign, CampaignError, Channel, Conditions, DeclaredBlock, Test
@@ -118,6 +120,29 @@ def test_leans_are_got_back_of_a_block_with_another_mass(height: float, inertia:
     [said] = [note for note in found.notes if "centre of mass" in note]
     own = [float(number) for number in re.findall(r"[\d.]+(?= m | kg m)", said)]
     assert own == pytest.approx([mass.height, mass.inertia], rel=0.05)
+
+
+def test_a_block_with_its_mass_off_the_middle_is_read_as_one() -> None:
+    """4 % of half of the base; a part of it a rotation takes up that is some 10 mrad off, the rest stretches show."""
+    found = prepare(measured((EccentricMass(offset=4e-3),))[0], LoopModel(DECLARED, 0.9, {}, STANDARD_GRAVITY))
+    np.testing.assert_allclose([r.lean for r in found.records[:3]], LEANS, rtol=0.0, atol=4e-3)
+    [said] = [note for note in found.notes if "off the middle" in note]
+    assert float(re.findall(r"[\d.]+(?= mm)", said)[0]) == pytest.approx(4.0, rel=0.1)
+    assert found.start.effects == {}
+
+
+def test_a_block_that_a_torque_of_its_own_turns_is_read_by_kinematics() -> None:
+    """A guide rubs on one side with 0.4 rad/s^2: the ideal block cannot be fitted to any swing to that side."""
+    campaign, rotations = measured((LearnedTerm(friction=-0.2, side_friction=-0.2),))
+    found = prepare(campaign, LoopModel(DECLARED, 0.9, {}, STANDARD_GRAVITY))
+    np.testing.assert_allclose([r.lean for r in found.records[:3]], LEANS, rtol=0.0, atol=4e-3)
+    for record, rotation in zip(found.records, rotations, strict=True):
+        large = np.isfinite(record.rotation) & (np.abs(rotation) > 0.03)
+        for side in (-1.0, 1.0):
+            there = np.abs(rotation) * (np.sign(rotation) == side) > 0.03
+            assert (large & there).sum() > 0.7 * there.sum()
+        # Two sensors tell it to so much of their noise; the ideal block told a good swing to half of that.
+        assert float(np.percentile(np.abs(record.rotation - rotation)[large], 95.0)) < 4.0 * record.noise
 
 
 def test_nothing_is_left_of_no_stretches(setup: Setup) -> None:

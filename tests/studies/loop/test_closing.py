@@ -31,8 +31,9 @@ def test_what_whole_records_refused_does_not_come_back_as_a_rival(monkeypatch):
 
 @pytest.fixture(autouse=True)
 def _quiet_base(monkeypatch):
-    """What the base does to a record is known: stubs say how far records are missed."""
+    """What the base does to a record is known, and little: stubs say how far records are missed."""
     monkeypatch.setattr(closing, "met", lambda setup, whole, within: whole.rms < within)
+    monkeypatch.setattr(remaining, "_moved", lambda setup, whole, records: np.ones(records.sum()))
 
 
 @pytest.mark.parametrize("by_rotation", [True, False])
@@ -118,7 +119,8 @@ def test_what_whole_records_alone_speak_for_has_to_explain_them_as_far_as_the_ba
     monkeypatch, rms, moved, ends
 ):
     """Moved: whether the noise of the base does as much to those that are missed."""
-    monkeypatch.setattr(closing, "met", lambda setup, whole, within: moved and within == remaining.MISSED_BY_FAR)
+    by = 9.5 if moved else 1.0
+    monkeypatch.setattr(remaining, "_moved", lambda setup, whole, records: np.full(records.sum(), by))
     setup = SimpleNamespace(by_rotation=True)
     assert closing._of_whole_records(setup, TILT, "effect", whole(*rms), {"tilt"})[0] == ends
     # Of an effect that swings show, records that are lost do not speak against it.

@@ -17,6 +17,7 @@ from studies.loop.search import learning_of_records
 from studies.loop.search.learning_of_records import forms, unseen
 from studies.loop.swings.tracing import baseline
 from studies.loop.swings.trials import Round
+from studies.loop.whole import remaining
 from studies.loop.whole.remaining import over_noise
 from studies.loop.whole.settling import settle
 from studies.loop.whole.whole_fits import whole_fit
@@ -145,17 +146,20 @@ def test_forms_have_few_coefficients_and_none_is_an_effect_with_a_name(kinds, st
 
 
 @pytest.mark.parametrize(
-    ("named", "rms", "rotation", "learned", "ends"),
+    ("named", "rms", "rotation", "learned", "moved", "ends"),
     [
         # slosh-68001: swings are explained, whole records are missed by 3.7 times their noise.
-        ("", (6.1, 5.8, 0.8, 1.0), True, True, "unexplained"),
-        ("", (6.1, 5.8, 0.8, 1.0), True, False, "none"),
-        ("", (2.9, 2.9, 0.8, 1.0), True, True, "none"),
-        ("", (6.1, 5.8, 0.8, 1.0), False, True, "none"),  # accelerometers hang too finely on when the side changes
-        ("tilt", (6.1, 5.8, 0.8, 1.0), True, True, "effect"),
+        ("", (6.1, 5.8, 0.8, 1.0), True, True, 1.0, "unexplained"),
+        ("", (6.1, 5.8, 0.8, 1.0), True, False, 1.0, "none"),
+        ("", (2.9, 2.9, 0.8, 1.0), True, True, 1.0, "none"),
+        ("", (6.1, 5.8, 0.8, 1.0), False, True, 1.0, "none"),  # of accelerometers this is not asked
+        ("", (6.1, 5.8, 0.8, 1.0), True, True, 6.0, "none"),  # the noise of the base does as much
+        ("tilt", (6.1, 5.8, 0.8, 1.0), True, True, 1.0, "effect"),
     ],
 )
-def test_whole_records_are_learned_of_where_they_alone_show_something(monkeypatch, named, rms, rotation, learned, ends):
+def test_whole_records_are_learned_of_where_they_alone_show_something(
+    monkeypatch, named, rms, rotation, learned, moved, ends
+):
     plain = trial("", 1000.0, 1.0)
     stands = trial(named, 900.0, 1.0) if named else plain
     form = trial("learned[mode]", 990.0, 1.0)
@@ -164,6 +168,7 @@ def test_whole_records_are_learned_of_where_they_alone_show_something(monkeypatc
     monkeypatch.setattr(closing, "unseen", lambda setup, onto, bare, tell: form if learned else None)
     monkeypatch.setattr(closing, "search", lambda *_, **__: Round(plain, []))
     monkeypatch.setattr(closing, "_otherwise", lambda *_: None)  # one coefficient in place of a name: test_closing.py
+    monkeypatch.setattr(remaining, "_moved", lambda setup, whole, records: np.full(records.sum(), moved))
     setup = SimpleNamespace(by_rotation=rotation, simulator=None)
     chosen, verdict = closing._explained(setup, plain, whole(*rms), stands, whole(*rms), lambda text: None)
     assert verdict == ends and chosen is (form if ends == "unexplained" else stands)

@@ -134,6 +134,7 @@ def stubs(monkeypatch):
     monkeypatch.setattr(rounds, "gain", lambda _, without, found: 1.0 - found.rms / without.rms)
     monkeypatch.setattr(rounds, "reweighed", lambda _, other, found: other)
     monkeypatch.setattr(rounds, "explains_more", lambda _, one, other: one.rms < other.rms)
+    monkeypatch.setattr(remaining, "_moved", lambda setup, whole, records: np.ones(records.sum()))
     for module in (rounds, remaining):
         monkeypatch.setattr(module, "over_noise", lambda _, t: t.swing.over)
         monkeypatch.setattr(module, "structure", lambda _: 1.03)

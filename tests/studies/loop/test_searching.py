@@ -681,12 +681,27 @@ def test_what_swings_do_not_tell_apart_is_said(stand_in):
     assert stand_in.searched().said == ("swings do not tell Both from A with B; whole records speak for the latter",)
 
 
-def test_the_search_does_not_go_back_where_nothing_is_left_or_nothing_was_found(stand_in):
+def test_the_search_does_not_go_back_where_nothing_is_left_or_nothing_pays(stand_in):
     both = stand_in.first["both"]
-    for accepted, left in (({((), True): both}, [(), ("both",)]), ({}, [()])):
-        stand_in.accepted, stand_in.enough = accepted, both
-        stand_in.searched()
-        assert [onto for onto, *_ in stand_in.rounds] == left
+    stand_in.accepted, stand_in.enough = {((), True): both}, both
+    stand_in.searched()
+    assert [onto for onto, *_ in stand_in.rounds] == [(), ("both",)]
+    for found in stand_in.trials[()]:
+        found.swing.chi2 = 9999.0
+    stand_in.accepted = {}
+    stand_in.searched()
+    assert [onto for onto, *_ in stand_in.rounds] == [()]
+
+
+def test_what_whole_records_refused_is_gone_on_from_where_swings_speak_for_it(stand_in):
+    """A string beside a loss that grows with speed: by itself it spoils records that the ideal block met by chance."""
+    del stand_in.accepted[(), True]
+    found = stand_in.searched()
+    assert [t.names for t in found.trials] == [(), ("a",), ("a", "b")]
+    assert [onto for onto, *_ in stand_in.rounds] == [(), ("both",), ("a",), ("a", "b")]
+    # What is refused on top of it as well leaves the search where it was.
+    stand_in.accepted = {}
+    assert [t.names for t in stand_in.searched().trials] == [()]
 
 
 @pytest.fixture

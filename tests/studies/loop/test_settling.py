@@ -11,7 +11,7 @@ import pytest
 from studies.campaigns import Channel
 from studies.loop.models.parameters import Parameter
 from studies.loop.observed.windows import Window
-from studies.loop.whole import settling
+from studies.loop.whole import remaining, settling
 from studies.loop.whole.remaining import missed
 from studies.loop.whole.settling import (
     FEWEST_SAMPLES,
@@ -120,16 +120,23 @@ def test_another_minimum_nearly_as_deep_widens_the_interval_to_reach_it() -> Non
     )
 
 
-def test_one_lost_record_makes_no_campaign_unexplained() -> None:
-    def records(*rms: float) -> Any:
+def test_one_lost_record_makes_no_campaign_unexplained(monkeypatch: pytest.MonkeyPatch) -> None:
+    def lost(*rms: float, moved: float = 1.0) -> bool:
+        """Moved: how far the noise of the base moves each record now and then."""
         values = np.array(rms)
-        return SimpleNamespace(rms=float(np.sqrt(np.mean(values**2))), by_window=values)
+        monkeypatch.setattr(remaining, "_moved", lambda setup, whole, far: np.full(far.sum(), moved))
+        found: Any = SimpleNamespace(rms=float(np.sqrt(np.mean(values**2))), by_window=values)
+        return missed(SimpleNamespace(), found)  # type: ignore[arg-type]
 
     # An impact that hangs on the noise of the base loses a record; what acts on a block acts in more than one.
-    assert not missed(records(1.0, 1.1, 0.9, 30.0))
-    assert missed(records(1.0, 1.1, 8.0, 30.0))
-    assert not missed(records(1.0, 2.0, 2.9, 2.9))
-    assert missed(records(8.0))  # of one record there is no other to ask
+    assert not lost(1.0, 1.1, 0.9, 30.0)
+    assert lost(1.0, 1.1, 8.0, 30.0)
+    assert not lost(1.0, 2.0, 2.9, 2.9)
+    assert lost(8.0)  # of one record there is no other to ask
+    # A clean block was called unexplained by two records of which redrawn noise moves its own response further.
+    assert not lost(1.0, 1.0, 3.9, 0.7, 7.5, 0.6, moved=14.0)
+    assert not lost(1.0, 1.1, 8.0, 30.0, moved=9.0)
+    assert lost(1.0, 1.1, 9.5, 30.0, moved=9.0)
 
 
 @pytest.mark.parametrize(
