@@ -89,7 +89,7 @@ def _answers(finding: Finding) -> dict[int, tuple[Answer, Answer]]:
             time = np.ascontiguousarray(setup.campaign.tests[w.test].time)
             jobs.setdefault(w.test, []).append(Job(k, w.test, time, w.start, w.theta, w.omega, struck=w.struck))
     every = [job for test in jobs for job in jobs[test]]
-    found = setup.simulator.run([finding.before, finding.after], every)
+    found = setup.recorded.run([finding.before, finding.after], every)
     return {test: (found[2 * k], found[2 * k + 1]) for k, test in enumerate(jobs)}
 
 
@@ -111,7 +111,7 @@ def _of_test(
     if record is not None and answers:
         data |= _sensors(finding, record, models, answers) | _errors(finding, test)
         if finding.setup.by_rotation:
-            data |= _rotations(finding.setup.simulator, record, models, answers)
+            data |= _rotations(finding.setup.recorded, record, models, answers)
             parts = (
                 by_stretch(finding, record),
                 by_impact(finding, record),
@@ -182,7 +182,7 @@ def _sensors(
         noise = float(record.noises[record.channels.index(channel), 0])
         out[f"{name}_noise"] = ((), noise, {"units": "m s-2", "long_name": "standard deviation of the sensor"})
         for stage, model, answer in zip(STAGES, models, answers, strict=True):
-            reading = accelerations(model, finding.setup.simulator, record.test, answer, channel)
+            reading = accelerations(model, finding.setup.recorded, record.test, answer, channel)
             text = "acceleration on the block"
             out[f"{name}_{stage}"] = _variable("time", reading, "m s-2", f"{text} of the model {stage}", **about)
             out[f"{name}_residual_{stage}"] = _variable(

@@ -19,7 +19,6 @@ from studies.campaigns.lost_base import used
 from studies.loop.models.model import LoopModel
 from studies.loop.observed.instruments import accelerations
 from studies.loop.runs.simulation import Answer, Job, Simulator
-from studies.loop.runs.thinning import factors
 from studies.running.files import save_text, write_whole
 
 Array = NDArray[np.float64]
@@ -35,8 +34,12 @@ def predict(model: LoopModel, campaign: Campaign, simulator: Simulator | None = 
     """The answer of the model to each test, in the order of the campaign; a free test starts from its declared lean.
 
     simulator: of the tests of the campaign, if there is one already.
+
+    Runs are on the base record as it is.  Thinned as for fits it has less noise, by which errors of unseen tests were
+    4 % less in the mean (27 campaigns of a series), but other noise than a true model would meet in it: where a test
+    hangs on that, the one is met and the other lost.
     """
-    simulator = simulator or simulator_of(model, campaign)
+    simulator = simulator or simulator_of(campaign)
     jobs = [
         Job(0, k, np.ascontiguousarray(test.time), float(test.time[0]), float(test.initial_rotation or 0.0))
         for k, test in enumerate(campaign.tests)
@@ -51,10 +54,9 @@ def predict(model: LoopModel, campaign: Campaign, simulator: Simulator | None = 
     return answers
 
 
-def simulator_of(model: LoopModel, campaign: Campaign) -> Simulator:
-    """Runs on the tests of a campaign, on base records as thin as those that a model is fitted to."""
-    thin = factors(campaign.tests, campaign.block.p(model.g))
-    return Simulator(campaign.tests, factors=thin, most_events=MOST_EVENTS)
+def simulator_of(campaign: Campaign) -> Simulator:
+    """Runs on the tests of a campaign that may rattle for long."""
+    return Simulator(campaign.tests, most_events=MOST_EVENTS)
 
 
 def write_predictions(
@@ -78,7 +80,7 @@ def write_predictions(
     recorded, campaign = campaign, used(campaign)
     folder.mkdir(parents=True, exist_ok=True)
     summary: dict[str, dict[str, Any]] = {}
-    simulator = simulator_of(model, campaign)
+    simulator = simulator_of(campaign)
     answers = predict(model, campaign, simulator)
     for k, (test, answer) in enumerate(zip(campaign.tests, answers, strict=True)):
         tell(test.id)

@@ -42,7 +42,8 @@ class Setup:
     """What the loop works on: records, windows and simulators of one campaign."""
 
     campaign: Campaign
-    simulator: Simulator
+    simulator: Simulator  # on base records as thin as fits need them
+    recorded: Simulator  # on base records as they are, as predictions are
     noisy: Simulator
     records: tuple[Record, ...]  # of all tests with a response
     held: tuple[int, ...]  # indices of tests held out
@@ -140,8 +141,9 @@ def prepare(campaign: Campaign, declared: LoopModel, keeper: Keeper | None = Non
         )
     noisy = redrawn(campaign.tests, noise_of_base, factors=thinned)
     swings = with_left_by_base(simulator, noisy, len(campaign.tests), start, swings)
+    recorded = Simulator(campaign.tests)
     return Setup(
-        campaign, simulator, noisy, tuple(records), held,
+        campaign, simulator, recorded, noisy, tuple(records), held,
         tuple(swings), tuple(whole_windows(kept)), tuple(whole_windows([r for r in records if r.test in held])),
         start, tuple(notes),
     )  # fmt: skip

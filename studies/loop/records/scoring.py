@@ -1,7 +1,8 @@
 """Errors of a model on whole tests, as a campaign's own channel has them.
 
 The error of a test is the rms of predicted less measured rotation over its samples; without a rotation channel, of the
-accelerometers on the block.  Missing samples and those after a fall are left out.
+accelerometers on the block.  Missing samples and those after a fall are left out.  Models run on the base record as it
+is, as in a prediction: a true model is moved by the noise in it likewise, and so is what it is held against.
 
 Status   held-out tests start from the lean that their own first samples show.
 """
@@ -33,7 +34,7 @@ class Errors:
 def errors(setup: Setup, model: LoopModel, fitted: Sequence[Window]) -> Errors:
     """Errors of a model on whole tests; `fitted` are the windows of the fit tests with their fitted leans."""
     windows = [scored_window(setup.records, w) for w in (*fitted, *leaning(setup, model, setup.whole_held))]
-    read = observe(setup.simulator, [model], jobs_of(windows, 0), windows)
+    read = observe(setup.recorded, [model], jobs_of(windows, 0), windows)
     each = [math.sqrt(float(np.mean((x - w.data) ** 2))) for x, w in zip(read, windows, strict=True)]
     names = [setup.campaign.tests[w.test].id for w in windows]
     n = len(fitted)

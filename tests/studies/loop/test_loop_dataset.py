@@ -219,7 +219,7 @@ def test_runs_that_are_shown_and_redrawn_know_what_struck_the_block_before(tilte
             raise Captured(jobs)
 
     struck = Struck(0, 9.0, 12, 30.0)
-    setup = dataclasses.replace(tilted.setup, simulator=Simulator(), whole_held=())
+    setup = dataclasses.replace(tilted.setup, recorded=Simulator(), whole_held=())
     windows = [dataclasses.replace(w, struck=struck) for w in tilted.after_fit.windows]
     fit = dataclasses.replace(tilted.after_fit, windows=windows)
     shown = SimpleNamespace(setup=setup, before_fit=fit, after_fit=fit, before=tilted.before, after=tilted.after)
