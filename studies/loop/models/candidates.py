@@ -217,6 +217,14 @@ def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candi
             {"bouncing.friction": math.inf, "bouncing.contact_frequency": math.inf}, smooth=False, slips=True,
             replaces_restitution=True, scanned=tuple({"bouncing.normal_restitution": 0.05 * k} for k in range(1, 19)),
         ),
+        # Energy is made above 0.8.
+        Candidate(
+            "bouncing[stops]", "bouncing", (Parameter("bouncing.normal_restitution", 0.05, 1e-3, 0.79),),
+            tuple({"bouncing.normal_restitution": e} for e in (0.2, 0.5, 0.7)),
+            {"bouncing.friction": math.inf, "bouncing.contact_frequency": math.inf, "bouncing.stops": 1.0},
+            smooth=False, slips=True, replaces_restitution=True,
+            scanned=tuple({"bouncing.normal_restitution": 0.05 * k} for k in range(1, 16)),
+        ),
         # A corner that bounces while the other one is still in contact. Below `SOFTEST` the floor is called compliant;
         # far beyond 600 Hz the runs take too long. The sum of squares has minima beside each other in the frequency.
         Candidate(

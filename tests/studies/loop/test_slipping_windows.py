@@ -33,12 +33,12 @@ MU = Parameter("sliding.friction", 0.02, 0.02, 1.3)
 RATIO = Parameter(RESTITUTION, 0.01, 0.02, 1.0)
 
 
-def recorded(block: Method2) -> list[Test]:
+def recorded(block: Method2, most: float = 32.0, mode: Mode = Mode.SLIDE_ROTATION, least: float = 2.0) -> list[Test]:
     """A ramp to 3.3 g at 4 Hz, at the end of which the block slips nearly all the time."""
     rng = np.random.default_rng(5)
-    motion, t = RampedSinusoid(4.0, 12.0, 32.0), np.arange(3000) * 0.004
+    motion, t = RampedSinusoid(4.0, 12.0, most), np.arange(3000) * 0.004
     run = solve(block, motion, t_end=float(t[-1]), save_at=t, solver="scipy")
-    assert run.mode_durations(float(t[-1]))[Mode.SLIDE_ROTATION] > 2.0
+    assert run.mode_durations(float(t[-1]))[mode] > least
     channels = (Channel("base_x", "base_acceleration_x", 0.002), Channel("rotation", "rotation", NOISE))
     data = {
         "base_x": motion(t)[0] + 0.002 * rng.standard_normal(t.size),
@@ -160,6 +160,19 @@ def test_sliding_is_traced_among_its_rivals(tests: list[Test], windows: list[Any
     assert best is not None and pays(plain.swing, best.swing)
     assert best.effects == ("sliding",)
     assert best.swing.model.get("sliding.friction") == pytest.approx(FRICTION, rel=0.02)
+
+
+@pytest.mark.parametrize(("law", "form"), [("kinematic", "bouncing[stops]"), ("frictional", "bouncing")])
+def test_bouncing_that_impacts_stop_is_told_from_that_which_leaves_a_slip(law: Any, form: str) -> None:
+    """A corner that leaves the floor with 0.6 of its approach, for half a second in all; the ramp goes to 0.5 g."""
+    block = Method2(BLOCK, friction=math.inf, normal_restitution=0.6, impact_law=law, g=9.81)
+    tests = recorded(block, 5.0, Mode.ROTATION_JUMP, 0.5)
+    simulator = Simulator(tests)
+    plain = baseline(simulator, LoopModel(DECLARED, E, {}, 9.81), windows_of(tests))
+    pool = [c for c in candidates(DECLARED) if c.name.startswith("bouncing") and not c.costly]
+    best = search(simulator, plain, pool).best
+    assert best is not None and best.names == (form,)
+    assert best.swing.model.get("bouncing.normal_restitution") == pytest.approx(0.6, abs=0.02)
 
 
 # Rounded edges keep more of a swing than sharp ones (angular momentum about the new edge): what was calibrated without
