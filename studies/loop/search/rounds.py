@@ -116,8 +116,15 @@ def same(one: Trial, other: Trial) -> bool:
 
 
 def nothing_of_swings(setup: Setup, trial: Trial) -> bool:
-    """Whether a trial leaves nothing of the swings; of a block that slips they do not say."""
-    return not slips(trial) and over_noise(setup, trial) < structure(setup)
+    """Whether a trial leaves nothing of the swings.
+
+    Of a block that slips the median over the windows does not say that: all of them together have to leave nothing.
+    """
+    if not slips(trial):
+        return over_noise(setup, trial) < structure(setup)
+    residuals = trial.swing.residuals
+    left, free = sum(float(r @ r) for r in residuals), sum(max(r.size - 2, 1) for r in residuals)
+    return left < structure(setup) ** 2 * free
 
 
 def searched(setup: Setup, onto: Trial, pool: Sequence[Candidate], tell: Tell, later: bool) -> Round:
