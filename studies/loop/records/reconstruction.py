@@ -55,6 +55,9 @@ CHANGE = 15.0
 MOUNTING_SD = 0.03
 """How far from its declared axis a sensor may be mounted [rad], one standard deviation."""
 
+LARGEST = 0.2
+"""Mounting angle [rad] that no sensor has; a block that lies there is turned by more than a radian."""
+
 LEAST = 8
 """Samples of the shortest stretch that is fitted."""
 
@@ -75,6 +78,9 @@ ANEW, SETTLED = 6, 0.01
 
 LOST = 0.1
 """Share of the samples of a stretch at which the ideal block may have left its side and yet be taken to fit it."""
+
+LONGEST = 25.0
+"""Of a stretch that is a swing, over the time 1 / p of the block [1]: what lasts longer is a block that fell."""
 
 KNOTS = 0.125
 """Between knots of a spline through a stretch, over the time 1 / p of the block [1]."""
@@ -102,7 +108,7 @@ def mounted(model: LoopModel, simulator: Simulator, sensors: Sequence[Channel]) 
             if channel.name not in test.data:
                 continue
             sd = channel.noise or 0.03
-            base, rest = simulator.base(model, k), _standing(test, channel, sd, model.declared.onset_acceleration)
+            base, rest = simulator.base(model, k), _standing(test, channel, sd, model)
             read = test.data[channel.name]
             rest = rest & np.isfinite(read)
             slope = (base.a_x * z - (model.g + base.a_z) * x)[rest]
@@ -163,18 +169,21 @@ def _of_mass(simulator: Simulator, model: LoopModel, parameters: Sequence[Parame
 
 
 def _longest(simulator: Simulator, model: LoopModel, records: Sequence[Record]) -> list[Window]:
-    """The longest stretches of all records on one side."""
+    """The longest stretches of all records on one side, but for those in which a block lies there."""
     found = [
         (record, part) for record in records if record.sides is not None for part in _stretches(record.sides)
-        if part.side != 0 and record.time[_inner(part, record)].size >= LEAST
+        if part.side != 0 and record.time[_inner(part, record)].size >= LEAST and _is_a_swing(model, record, part)
     ]  # fmt: skip
     longest = sorted(found, key=lambda one: one[1].start - one[1].stop)[:FEW]
     return _windows(simulator, model, longest)
 
 
-def _standing(test: Test, channel: Channel, sd: float, onset: float) -> NDArray[np.bool_]:
-    """Samples at which the block stands still: before a forced test can move it, and the quiet end of a free one."""
-    size = test.time.size
+def _standing(test: Test, channel: Channel, sd: float, model: LoopModel) -> NDArray[np.bool_]:
+    """Samples at which the block stands still: before a forced test can move it, and the quiet end of a free one.
+
+    A block that lies there is quiet too, but no mounting angle is as large as that.
+    """
+    size, onset = test.time.size, model.declared.onset_acceleration
     if test.kind == "forced":
         base = test.base_x
         moved = np.flatnonzero(np.abs(np.nan_to_num(base)) > 0.5 * onset) if base is not None else np.zeros(0, int)
@@ -182,6 +191,7 @@ def _standing(test: Test, channel: Channel, sd: float, onset: float) -> NDArray[
     count = max(10, round(0.4 / test.time_step))
     tail = test.data[channel.name][-count:]
     quiet = np.isfinite(tail).sum() > count // 2 and float(np.nanstd(tail)) < 2.0 * sd
+    quiet = quiet and abs(float(np.nanmean(tail)) - model.g * channel.axis[1]) < LARGEST * model.g
     return np.arange(size) >= (size - count if quiet else size)
 
 
@@ -369,7 +379,7 @@ def _rotation(
         theta, speed = answer.theta, w.omega
         # Samples at which the run has left the side are compared with nothing.
         lost = float(np.mean(np.sign(theta) != part.side)) > LOST
-        if lost or rms**2 > MISSED:
+        if (lost or rms**2 > MISSED) and _is_a_swing(model, record, part):
             turned, speeds, left = _by_kinematics(simulator, model, record, part)
             if lost or left < rms**2:
                 theta, speed = turned, float(speeds[0])
@@ -403,6 +413,12 @@ def _by_kinematics(
         record.time[inner], record.observed[: len(sensors), inner], sensors, (base.a_x[inner], base.a_z[inner]),
         float(model.g), 0.5 * part.side * model.declared.breadth, ends, intervals, alpha,
     )  # fmt: skip
+
+
+def _is_a_swing(model: LoopModel, record: Record, part: Stretch) -> bool:
+    """Whether a block may lean to that side for so long, and come back."""
+    lasts = record.time[part.stop - 1] - record.time[part.start]
+    return bool(lasts < LONGEST / model.declared.p(model.g))
 
 
 def _inner(part: Stretch, record: Record) -> slice:

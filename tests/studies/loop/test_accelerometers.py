@@ -7,6 +7,7 @@ laboratory differs from the loop's own.
 import math
 import re
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -26,6 +27,7 @@ from studies.loop.fits.linearising import linearised
 from studies.loop.models.model import LoopModel
 from studies.loop.observed.observing import jobs_of, observe
 from studies.loop.observed.windows import SIDE, whole_windows
+from studies.loop.records import kinematics, reconstruction
 from studies.loop.records.preparing import Setup, prepare
 from studies.loop.records.reconstruction import put_right
 from studies.loop.swings.tracing import baseline
@@ -143,6 +145,28 @@ def test_a_block_that_a_torque_of_its_own_turns_is_read_by_kinematics() -> None:
             assert (large & there).sum() > 0.7 * there.sum()
         # Two sensors tell it to so much of their noise; the ideal block told a good swing to half of that.
         assert float(np.percentile(np.abs(record.rotation - rotation)[large], 95.0)) < 4.0 * record.noise
+
+
+def test_a_block_that_lies_there_is_in_no_swing(truth, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Struck over after 1 s, its accelerometers read gravity for 6 s: the other records are read as they were."""
+    rng, first, asked = np.random.default_rng(9), truth[0].tests[0], list[float]()
+    lying = first.time > 1.0
+    data = {
+        name: np.where(lying, value + NOISE * rng.standard_normal(lying.size), first.data[name])
+        for name, value in (("top", -TRUE_G), ("left", 0.0))
+    }
+
+    def noted(time: np.ndarray, *given: Any) -> Any:
+        asked.append(float(time[-1] - time[0]))
+        return kinematics.turned(time, *given)
+
+    monkeypatch.setattr(reconstruction, "turned", noted)
+    campaign = replace(truth[0], tests=(replace(first, data=data), *truth[0].tests[1:]))
+    found = prepare(campaign, LoopModel(DECLARED, 0.9, {}, STANDARD_GRAVITY))
+    np.testing.assert_allclose([r.lean for r in found.records[1:3]], LEANS[1:], rtol=0.0, atol=4e-3)
+    assert not any("centre of mass" in note for note in found.notes)
+    # 25 / p of this block: no spline of hundreds of knots goes through what lasts longer.
+    assert all(lasted < 6.0 for lasted in asked)
 
 
 def test_nothing_is_left_of_no_stretches(setup: Setup) -> None:
