@@ -26,7 +26,7 @@ from studies.loop.records.scoring import Errors, errors, leaning, median
 from studies.loop.runs.keeping import Keeper
 from studies.loop.search.learning_of_records import unseen
 from studies.loop.search.revising import Revision, revised, taken_out, without_needless
-from studies.loop.search.rounds import Path
+from studies.loop.search.rounds import Path, stands_alone
 from studies.loop.search.searching import traced
 from studies.loop.swings.learning import (
     FREEDOMS,
@@ -265,7 +265,7 @@ def _explained(
         if learned is not None:
             return learned, "unexplained"
         return named, "effect" if named.parts else "none"
-    if roughly_begun(setup, named, whole):
+    if roughly_begun(setup, named, whole) or stands_alone(setup, named, whole):
         return named, "effect"
     # What is learned of noise is not worth its time: names that leave no more than that stand.
     # Where a block slips, swings do not say by chance; whole records do.

@@ -20,7 +20,7 @@ from studies.loop.models.candidates import Candidate
 from studies.loop.models.names import readable
 from studies.loop.records.preparing import Setup
 from studies.loop.search.revising import set_aside
-from studies.loop.search.rounds import Path, Tell, followed, nothing_of_swings, same, searched
+from studies.loop.search.rounds import Path, Tell, followed, nothing_of_swings, same, searched, stands_alone
 from studies.loop.swings.learning import MOST_ALIKE, by_itself, inner, open_to, profiles, terms
 from studies.loop.swings.tracing import LEADS, all_candidates, floor_promises, search
 from studies.loop.swings.trials import PAYS, Round, Trial, bic, pays
@@ -119,7 +119,7 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     floors = [followed(setup, begin, pool, tell, begun=_to_go_through_again(rounds))]
     # What stood of the greedy path was gone through again.
     chosen = floors[0]
-    if quick is not greedy:
+    if quick is not greedy and not stands_alone(setup, chosen.last, chosen.whole):
         first = Path(quick.trials[:2], floors[0].rounds[:1], quick.fits[:2])
         floors.append(followed(setup, first, pool, tell, begun=_to_go_through_again(rounds)))
         chosen = _best(setup, [quick, *floors])

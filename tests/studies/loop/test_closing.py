@@ -283,7 +283,9 @@ def test_a_single_effect_is_doubted_only_where_no_start_meets_whole_records_and_
     [
         # compliant_base-65001: whole records met to 1.04, yet called unexplained for 1.6 times the noise in swings.
         (1.6, 1.04, True, True, "effect"),
-        (1.6, 1.15, True, True, "unexplained"),
+        # bouncing-96001: the right numbers to 0.2 %, met to 1.25 but for one of seven records, 1.8 times in swings.
+        (1.8, 1.25, True, True, "effect"),
+        (1.6, 1.35, True, True, "unexplained"),
         (1.6, 1.04, False, True, "unexplained"),
         (1.6, 1.04, True, False, "unexplained"),
     ],

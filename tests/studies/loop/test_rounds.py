@@ -601,12 +601,28 @@ def test_what_explained_far_too_little_by_itself_is_not_tried_on_top_of_others(m
 
     monkeypatch.setattr(rounds, "_round", one)
     monkeypatch.setattr(rounds, "explains", lambda *_: False)
+    monkeypatch.setattr(rounds, "stands_alone", lambda *_: False)
     pool = [SimpleNamespace(name=name) for name in ("hard", "soft", "tilt")]
     begun = [Round(FLOOR, put_off=(pool[0], pool[1]))]
     path = rounds.followed(None, rounds.Path([PLAIN], [], [whole(1.0)]), pool, lambda text: None, begun=begun)
     assert pools == [(["hard", "soft", "tilt"], []), (["soft", "tilt"], ["soft"])]
     assert path.rounds[1].skipped == {"hard": tracing.FAR_LESS}
     assert [c.name for c in begun[0].put_off] == ["hard", "soft"]
+
+
+@pytest.mark.parametrize(
+    ("trial", "by_rotation", "rms", "alone"),
+    [
+        (FLOOR, True, (1.1, 1.06, 1.11, 5.98, 0.84, 1.16, 1.94), True),  # one is sent another way by a slip
+        (FLOOR, True, (1.1, 1.06, 5.2, 5.98, 0.84, 1.16, 1.94), False),
+        (FLOOR, True, (1.35, 1.35, 1.35), False),
+        (FLOOR, True, (1.25, 1.25, 1.25), True),
+        (FLOOR, False, (1.0, 1.0, 1.0), False),
+        (TILT, True, (1.0, 1.0, 1.0), False),
+    ],
+)
+def test_a_floor_stands_alone_where_it_meets_all_whole_records_but_one(trial, by_rotation, rms, alone):
+    assert rounds.stands_alone(SimpleNamespace(by_rotation=by_rotation), trial, whole(*rms)) is alone
 
 
 def test_a_round_that_is_known_is_not_searched_again(stubs):

@@ -52,7 +52,7 @@ def ways(monkeypatch):
     told = SimpleNamespace(
         chance=True, explains=True, rounds=[], accepted={}, put_off=(SimpleNamespace(name="floor"),), whole=1.4,
         trials={}, declared=True, term=False, promises=False, nothing=(),
-        form=None, from_many=None, beside=None,
+        form=None, from_many=None, beside=None, alone=(),
     )  # fmt: skip
 
     def one_round(setup, onto, whole, pool, tell, known, later):
@@ -92,6 +92,7 @@ def ways(monkeypatch):
     for module in (rounds, searching):
         monkeypatch.setattr(module, "by_chance", lambda setup, trial: told.chance)
         monkeypatch.setattr(module, "explains", lambda setup, trial, whole: told.explains)
+        monkeypatch.setattr(module, "stands_alone", lambda setup, trial, whole: trial.names in told.alone)
     return told
 
 
@@ -751,6 +752,15 @@ def test_a_third_effect_is_asked_for_before_floors_and_has_to_leave_nothing(
 def test_floors_are_tried_on_top_of_the_first_effect_of_the_way_back(floors):
     floors.accepted[("a",), False] = path_of("a", "floor", costly=True, chi2=200.0)
     assert floors.searched().last.names == ("a", "floor")
+
+
+def test_nothing_is_tried_on_top_of_a_floor_that_stands_alone_nor_beside_it(floors):
+    """A corner that bounced for long was found after 440 s, and something else looked for until 900 s had gone."""
+    floors.accepted[(), False] = path_of("floor", costly=True, chi2=100.0)
+    floors.alone = [("floor",)]
+    found = floors.searched()
+    assert found.last.names == ("floor",)
+    assert [onto for onto, later, _ in floors.rounds if not later] == [()]
 
 
 def test_floors_beside_the_greedy_path_are_kept_where_going_back_led_nowhere(floors):
