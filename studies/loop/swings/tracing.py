@@ -66,7 +66,7 @@ NEXT_TO_NOTHING = 1.2
 """What a floor that gives leaves of some swings after a few steps, over what noise does, if it may leave nothing."""
 
 LEADS = 1.0 / 3.0
-"""A floor that leaves less than this share of what the best of all others leaves of some swings leads."""
+"""A floor that leaves less than this share of what the best of all others leaves leads."""
 
 NOT_NEEDED = "nothing over the noise; runs take long"
 """What others leave where such a floor is not tried at all."""
@@ -201,8 +201,8 @@ def _by_its_name(simulator: Simulator, found: Round, c: Candidate, trials: Seque
 def floor_promises(simulator: Simulator, found: Round, tell: Callable[[str], None] = lambda text: None) -> bool:
     """Whether a floor that gives may explain all by itself, of those that a round put off, or most: corners, or a bed.
 
-    After a few steps it has to leave less of some swings than all that the round tried, and next to nothing or by far
-    less than these (`LEADS`).
+    After a few steps it has to leave less of some swings than all that the round tried, and next to nothing or, of what
+    is over the noise, by far less than these (`LEADS`).
     """
     for floor in (c for c in found.put_off if c.beyond is None):
         before = found.begun.get(floor.after)
@@ -217,7 +217,7 @@ def floor_promises(simulator: Simulator, found: Round, tell: Callable[[str], Non
         noise = sum(found.onto.swing.residuals[i].size - 2 for i in chosen)
         left = of_some(found.onto.swing, chosen) - first.gained
         least = min(of_some(t.swing, chosen) for t in (found.onto, *found.trials))
-        if left < min(max(NEXT_TO_NOTHING * noise, LEADS * least), least - PAYS):
+        if left < min(max(NEXT_TO_NOTHING * noise, noise + LEADS * (least - noise)), least - PAYS):
             return True
     return False
 

@@ -459,9 +459,10 @@ def test_corners_found_harder_than_compliant_ones_are_tried_by_the_other_name(mo
         (1201.0, 1300.0, False),  # of 1,000 numbers that are not taken up by where swings begin
         (1000.0, 1059.0, False),  # what others leave is not more by as much as pays
         (1000.0, 1061.0, True),
-        (1201.0, 3604.0, True),
-        (1201.0, 3602.0, False),  # not less than a third of what the best of the others leaves
-        (1340.0, 4500.0, False),  # which is the other one here
+        (1201.0, 1604.0, True),
+        (1201.0, 1602.0, False),  # not less than a third of what the best of the others leaves over the noise
+        (1999.0, 4500.0, True),
+        (2001.0, 4500.0, False),  # which is the other one here
     ],
 )
 def test_a_floor_promises_where_it_leaves_little_and_others_leave_more_or_far_more_than_it(
