@@ -15,6 +15,7 @@ Status   blocks of another mass and with a torque of their own are got back (tes
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -58,6 +59,8 @@ def turned(
 ) -> tuple[Array, Array, float]:  # fmt: skip
     """Rotation [rad] and angular speed [rad/s] in a stretch on one corner, and the mean square of what they leave.
 
+    That is infinite, and the block upright, where nothing was read.
+
     Args:
         time: samples [s], shape (time,).
         read: readings [m/s^2], NaN where missing, shape (sensor, time).
@@ -87,11 +90,11 @@ def turned(
         step = np.linalg.lstsq(np.vstack(rows), np.concatenate(left), rcond=None)[0]
         found = found + step
     theta, omega, turning = (by @ found for by in columns)
-    missed = [
+    missed = np.concatenate([
         (weights[k] * (read[k] - _reading(sensor, theta, omega, turning, base, g, corner)[0]))[there[k]]
         for k, sensor in enumerate(sensors)
-    ]
-    return theta, omega, float(np.mean(np.concatenate(missed) ** 2))
+    ])  # fmt: skip
+    return theta, omega, float(np.mean(missed**2)) if missed.size else math.inf
 
 
 def _reading(

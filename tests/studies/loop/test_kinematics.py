@@ -69,6 +69,14 @@ def test_a_swing_is_got_back_whatever_acts_in_it(
     assert left < 1.3
 
 
+def test_of_a_gap_nothing_is_said() -> None:
+    t = np.arange(40) * STEP
+    ends = Ends(0.0, 0.1, (True, True), False, 1e-4)
+    read = np.full((2, t.size), np.nan)
+    theta, omega, left = turned(t, read, (TOP, ASKEW), (pushed(t), np.zeros(t.size)), G, CORNER, ends, 4, 0.3)
+    assert left == math.inf and not theta.any() and not omega.any()
+
+
 def test_a_release_is_got_back_from_its_beginning() -> None:
     """The second half of a swing: let go at its peak, it ends on the floor."""
     t = np.arange(0, round(0.5 * T / STEP) - 2) * STEP
