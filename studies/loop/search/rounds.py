@@ -84,8 +84,10 @@ def followed(
     for depth in range(len(rounds), most):
         if depth > 1 and ((later and not by_chance(setup, path[-1])) or path[-1].swing.rms < NOTHING_LEFT):
             break
-        enough = explains(setup, path[-1], fits[-1]) or stands_alone(setup, path[-1], fits[-1])
-        if path[-1].costly and (depth >= MOST_EFFECTS_COSTLY or enough):
+        last, whole = path[-1], fits[-1]
+        if last.costly and (
+            depth >= MOST_EFFECTS_COSTLY or explains(setup, last, whole) or stands_alone(setup, last, whole)
+        ):
             break
         known = next((r for r in begun if same(r.onto, path[-1])), None)
         if known is None or not later:
