@@ -132,7 +132,7 @@ def with_its_mass(simulator: Simulator, model: LoopModel, records: Sequence[Reco
         if stands.chi2 < MISSED * stands.samples:
             break
         found = []
-        for effect in pool.keys() - stands.model.effects.keys():
+        for effect in [e for e in pool if e not in stands.model.effects]:
             start = {f"{OFF}.offset": 0.0} if effect == OFF else pool[effect].starts[0]
             parameters = (*stands.parameters, *pool[effect].parameters)
             found.append(_of_mass(simulator, stands.model.changed(start), parameters, records))
@@ -380,9 +380,9 @@ def _rotation(
         # Samples at which the run has left the side are compared with nothing.
         lost = float(np.mean(np.sign(theta) != part.side)) > LOST
         if (lost or rms**2 > MISSED) and _is_a_swing(model, record, part):
-            turned, speeds, left = _by_kinematics(simulator, model, record, part)
+            rotations, speeds, left = _by_kinematics(simulator, model, record, part)
             if lost or left < rms**2:
-                theta, speed = turned, float(speeds[0])
+                theta, speed = rotations, float(speeds[0])
         own = np.where(np.sign(theta) == part.side, theta, np.nan)
         rotation[_inner(part, record)] = own
         if side_before.get(part.start) == -part.side:
