@@ -90,9 +90,14 @@ class Held(NamedTuple):
     dragged: Any
 
 
+def pressed(xp: Any, at: Foot, touches: Any, par: Parameters) -> Any:
+    """N of a foot over mass [m/s^2]."""
+    return xp.where(touches, (1.0 - par.spread) * xp.maximum(-par.k * at.height - par.c * at.v, 0.0), 0.0)
+
+
 def forces(xp: Any, at: Foot, touched: Any, touches: Any, beside: Any, par: Parameters) -> Held:
     """A foot that first touched the floor at x = touched, with a bed that carries `beside` [m/s^2] where it stands."""
-    N = xp.where(touches, (1.0 - par.spread) * xp.maximum(-par.k * at.height - par.c * at.v, 0.0), 0.0)
+    N = pressed(xp, at, touches, par)
     spring = par.k_t * (at.x - touched)
     F = -spring - par.c_t * at.u
     most = par.mu * (N + beside)
@@ -143,13 +148,14 @@ def leaning(xp: Any, theta: Any, par: Parameters) -> Any:
     return xp.minimum(xp.maximum(2.0 * par.a * xp.sin(theta) * par.k / par.g, -1.0), 1.0)
 
 
-def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any, ...]:
-    """dy/dt; what the two feet do not hold is free."""
-    right, left = foot(xp, y, 1.0, par), foot(xp, y, -1.0, par)
-    on_right, on_left = touching(q)
-    N_b, moment_b = bed(xp, y, par)
-    F_r, N_r, dragged_r = forces(xp, right, y[6], on_right, N_b, par)
-    F_l, N_l, dragged_l = forces(xp, left, y[7], on_left, N_b, par)
+def accelerations(
+    xp: Any, y: Any, base: Base, par: Parameters, right: Foot, left: Foot, held_right: Held, held_left: Held,
+    of_bed: tuple[Any, Any],
+) -> tuple[Any, Any, Any]:  # fmt: skip
+    """(x'', z'', theta'') under what both feet and the bed give; what they do not hold is free."""
+    F_r, N_r, _ = held_right
+    F_l, N_l, _ = held_left
+    N_b, moment_b = of_bed
     A_x, A_z = in_floor_axes(xp, base, par.g)
     # A pitch about the middle of where the block stands carries the centre of mass along.
     A_x = A_x + base.pitch_acceleration * y[1]
@@ -161,7 +167,18 @@ def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any
     squares = right.r_x**2 + right.r_z**2, left.r_x**2 + left.r_z**2
     inertia = par.rho2 + 0.5 * ((1.0 + s) * squares[0] + (1.0 - s) * squares[1])
     omega_dot = omega_dot + added(y[2], y[5], s, base, par) * inertia / par.rho2
-    return y[3], y[4], y[5], F_r + F_l - A_x, N_r + N_l + N_b - A_z, omega_dot, dragged_r, dragged_l
+    return F_r + F_l - A_x, N_r + N_l + N_b - A_z, omega_dot
+
+
+def flow(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any, ...]:
+    """dy/dt."""
+    right, left = foot(xp, y, 1.0, par), foot(xp, y, -1.0, par)
+    on_right, on_left = touching(q)
+    of_bed = bed(xp, y, par)
+    held_right = forces(xp, right, y[6], on_right, of_bed[0], par)
+    held_left = forces(xp, left, y[7], on_left, of_bed[0], par)
+    changes = accelerations(xp, y, base, par, right, left, held_right, held_left, of_bed)
+    return y[3], y[4], y[5], *changes, held_right.dragged, held_left.dragged
 
 
 def guards(xp: Any, y: Any, q: Discrete, base: Base, par: Parameters) -> tuple[Any, ...]:
@@ -248,8 +265,7 @@ class BlockOnSoftFloor(OnRigidBlock):
         self._check_along()
         if not self.friction > 0.0:
             raise ValueError(f"friction={self.friction!r}: want more than 0, or inf where the corners are held")
-        if self.friction < math.inf and self.damping_ratio == 0.0:
-            raise ValueError(f"damping_ratio=0.0: want more than 0 beside friction={self.friction!r}, or friction=inf")
+        self._check_slider()
         form = self.rigid.form
         striking = [effect.name for effect in self.effects if "restitution" in effect.ways()]
         foreign = ["rounded_edges"] * (form.edge_radius != 0.0) + ["base_adhesion"] * (form.adhesion != 0.0) + striking
@@ -266,6 +282,10 @@ class BlockOnSoftFloor(OnRigidBlock):
 
     def _check_along(self) -> None:
         positive("tangential_ratio", self.tangential_ratio, "1")
+
+    def _check_slider(self) -> None:
+        if self.friction < math.inf and self.damping_ratio == 0.0:
+            raise ValueError(f"damping_ratio=0.0: want more than 0 beside friction={self.friction!r}, or friction=inf")
 
     @cached_property
     def parameters(self) -> Parameters:

@@ -8,7 +8,9 @@ Parameters  normal_restitution e_n [1], 0 where it is absent; it takes the place
             friction that takes, 0 (unless given) where it may be left with a slip, as energy and friction ask; of
             impacts at an instant.  contact_frequency f [Hz] of a corner on its spring, infinite where impacts
             happen at an instant.  tangential_ratio [1], its stiffness along the floor over that normal to it: 20 unless
-            given, with which it is all but held; without effect where impacts happen at an instant
+            given, with which it is all but held.  spring_slider [1]: 1 where friction limits its spring along
+            the floor alone (`rocking.spring_slider`), 0 (unless given) where it limits spring and dashpot in series.
+            Both are without effect where impacts happen at an instant
 Use when    short blocks or stiff floors: after an impact the corner is seen to lift, or the block rattles.  With f a
             corner may bounce while the other one is still in contact; what a swing of a slender block loses is then
             much the same for a higher f and a lower e_n
@@ -35,7 +37,7 @@ from rocking.form import Form
 from rocking.hybrid import System
 from rocking.method1 import Method1
 from rocking.method2 import ImpactLaw, Method2
-from rocking.soft_floor import BlockOnSoftFloor
+from rocking.spring_slider import sliding_as
 
 HELD = 20.0
 """Stiffness of a corner along the floor over that normal to it with which it is all but held in place."""
@@ -44,13 +46,14 @@ HELD = 20.0
 @dataclass(frozen=True)
 class Bouncing(Effect):
     """Normal restitution [1] of a corner, friction [1], frequency of its contact [Hz], stiffness of that along the
-    floor [1], and whether impacts stop it there [1]."""
+    floor [1], whether impacts stop it there [1], and whether friction limits that spring alone [1]."""
 
     normal_restitution: float = 0.0
     friction: float = math.inf
     contact_frequency: float = math.inf
     tangential_ratio: float = HELD
     stops: float = 0.0
+    spring_slider: float = 0.0
 
     name: ClassVar[str] = "bouncing"
     units: ClassVar[dict[str, str]] = {
@@ -59,6 +62,7 @@ class Bouncing(Effect):
         "contact_frequency": "Hz",
         "tangential_ratio": "1",
         "stops": "1",
+        "spring_slider": "1",
     }
     ranges: ClassVar[dict[str, tuple[float, float]]] = {
         "normal_restitution": (0.0, 1.0),
@@ -66,6 +70,7 @@ class Bouncing(Effect):
         "contact_frequency": (0.0, math.inf),
         "tangential_ratio": (0.0, math.inf),
         "stops": (0.0, 1.0),
+        "spring_slider": (0.0, 1.0),
     }
 
     def ways_used(self) -> frozenset[str]:
@@ -100,7 +105,7 @@ class Bouncing(Effect):
         lost = -math.log(self.normal_restitution) if self.normal_restitution > 0.0 else math.inf
         share = lost / math.hypot(math.pi, lost) if lost < math.inf else 1.0
         try:
-            return BlockOnSoftFloor(
+            return sliding_as(self.name, self.spring_slider)(
                 system, stiffness, share * math.sqrt(felt / form.mass), 0.0, self.tangential_ratio, self.friction
             )
         except ValueError as error:

@@ -7,12 +7,13 @@ Parameters  corner_stiffness k [N/m], infinite (rigid) where it is absent; dampi
             corner's stiffness along the floor over k, 1 where it is absent, infinite where the floor gives downward
             alone and the lower corner stays in its place (`rocking.downward_floor`); friction mu of the corners [1],
             infinite where it is absent: then they are held until they leave the floor, which makes impacts harder than
-            those of any foot that friction holds
+            those of any foot that friction holds.  spring_slider [1]: 1 where friction limits the spring along the
+            floor alone (`rocking.spring_slider`), 0 (unless given) where it limits spring and dashpot in series
 Use when    the block stands on rubber, soil or a soft table, or rattles audibly
 Limits      on a bed the corners alone are held along the floor, by the friction of the whole bed; not together with
             rounded_edges or sliding
 Source      Psycharis & Jennings (1983), Earthquake Eng. Struct. Dyn. 11, 57-76
-Status      see `rocking.soft_floor` and `rocking.downward_floor`
+Status      see `rocking.soft_floor`, `rocking.spring_slider` and `rocking.downward_floor`
 """
 
 from __future__ import annotations
@@ -25,18 +26,20 @@ from rocking.composed import ComposedMethod1
 from rocking.downward_floor import BlockOnDownwardFloor
 from rocking.effect import Effect
 from rocking.hybrid import System
-from rocking.soft_floor import BlockOnSoftFloor
+from rocking.spring_slider import sliding_as
 
 
 @dataclass(frozen=True)
 class CompliantBase(Effect):
-    """Stiffness of a corner [N/m], its damping ratio, what of it is a bed, stiffness along the floor, and friction."""
+    """Stiffness of a corner [N/m], its damping ratio, what of it is a bed, stiffness along the floor, friction, and
+    whether that limits the spring alone."""
 
     corner_stiffness: float = math.inf
     damping_ratio: float = 1.0
     spread: float = 0.0
     tangential_ratio: float = 1.0
     friction: float = math.inf
+    spring_slider: float = 0.0
 
     name: ClassVar[str] = "compliant_base"
     units: ClassVar[dict[str, str]] = {
@@ -45,6 +48,7 @@ class CompliantBase(Effect):
         "spread": "1",
         "tangential_ratio": "1",
         "friction": "1",
+        "spring_slider": "1",
     }
     ranges: ClassVar[dict[str, tuple[float, float]]] = {
         "corner_stiffness": (0.0, math.inf),
@@ -52,14 +56,26 @@ class CompliantBase(Effect):
         "spread": (0.0, 1.0),
         "tangential_ratio": (0.0, math.inf),
         "friction": (0.0, math.inf),
+        "spring_slider": (0.0, 1.0),
     }
     unbounded: ClassVar[frozenset[str]] = frozenset({"tangential_ratio"})
 
     def freedoms(self, system: ComposedMethod1) -> System:
-        """The block on springs; the rigid one if they are infinitely stiff."""
+        """The block on springs; the rigid one if they are infinitely stiff.
+
+        Raises:
+            ValueError: numbers that do not go together.
+        """
         if self.corner_stiffness == math.inf:
             return system
-        made = BlockOnDownwardFloor if self.tangential_ratio == math.inf else BlockOnSoftFloor
+        made = sliding_as(self.name, self.spring_slider)
+        if self.tangential_ratio == math.inf:
+            if self.spring_slider:
+                raise ValueError(
+                    f"compliant_base.spring_slider={self.spring_slider!r}: want 0 beside "
+                    "compliant_base.tangential_ratio=inf, with which nothing slips"
+                )
+            made = BlockOnDownwardFloor
         return made(
             system, self.corner_stiffness, self.damping_ratio, self.spread, self.tangential_ratio, self.friction
         )

@@ -99,6 +99,7 @@ FIRST: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("rocking/batch.py", ("test_batch", "test_batch_with_effects", "test_exact_batch")),
     ("rocking/trajectory.py", ("test_trajectory", "test_method1_closed_forms")),
     ("rocking/solve.py", ("test_trajectory", "test_bad_input", "test_solvers_agree")),
+    ("rocking/spring_slider.py", ("effects/test_spring_slider",)),
     (
         "rocking/soft_floor.py",
         (

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from rocking import G_STANDARD
 from rocking.effects import load
 from rocking.form import Form
 from rocking.soft_floor import BlockOnSoftFloor
+from rocking.spring_slider import BlockOnSlidingSprings
 from studies.campaigns import DeclaredBlock
 from studies.loop.models.model import RESTITUTION, LoopModel
 from studies.loop.models.parameters import UNEVEN, Parameter
@@ -48,6 +49,8 @@ class Candidate:
     same_as: Callable[[LoopModel], Mapping[str, float]] | None = None
     minima_in: str = ""  # a parameter in which whole records have minima beside each other
     assumed: Mapping[str, float] = field(default_factory=dict)  # of those that stay: other values that may be as right
+    # Of those that stay: another law of the same thing, asked where whole records are missed.
+    otherwise: Mapping[str, float] = field(default_factory=dict)
 
     def nothing(self, block: DeclaredBlock) -> dict[str, float]:
         """Its own parameters at their absent values: what adds nothing where the effect is there in another form."""
@@ -122,15 +125,58 @@ BOUNCES = 8
 
 ALONG = "compliant_base.tangential_ratio"
 
+OF_THE_SPRING = 1.0
+"""`spring_slider` with which corners slip as in distinct elements; asked first."""
+
+IN_SERIES = 0.0
+"""With which spring and dashpot slip together."""
+
 GRIP, LESS_GRIP = 2.0, 1.0
 """Friction of corners on springs [1] where none is declared: more than shaking asks for, so that they slip only where
 they are about to leave; and less, of which intervals bear what it would change.  Swings hardly tell it."""
+
+MOST_FRICTION = 10.0
+"""Friction with which corners are all but held until they leave."""
 
 SURELY_ROCKS = 1.1
 """Friction over b/h below which a block is taken to slide rather than to rock."""
 
 SOFTEST = 125.0
 """Frequency of a corner on its spring [Hz] below which it is said to give, and from which it is said to bounce."""
+
+
+HARDEST = 600.0
+"""Frequency of a corner on its spring [Hz] up to which it is fitted: far beyond runs take too long."""
+
+STIFFNESS = "compliant_base.corner_stiffness"
+
+
+def felt_at_a_corner(block: DeclaredBlock) -> float:
+    """Mass [kg] that a corner meets, normal to the floor."""
+    return block.mass / (1.0 + 0.25 * block.breadth**2 * block.mass / block.I_c)
+
+
+def no_harder(floor: Candidate, block: DeclaredBlock) -> Candidate:
+    """A floor that is fitted no harder than runs allow."""
+    hardest = max(
+        felt_at_a_corner(block) * (2.0 * math.pi * HARDEST) ** 2, *(start.get(STIFFNESS, 0.0) for start in floor.starts)
+    )
+    parameters = tuple(replace(p, high=min(p.high, hardest)) if p.name == STIFFNESS else p for p in floor.parameters)
+    return replace(floor, parameters=parameters)
+
+
+def with_friction(floor: Candidate, block: DeclaredBlock) -> Candidate:
+    """The same with the friction of its corners fitted as well, where it has any."""
+    floor = no_harder(floor, block)
+    name = f"{floor.effect}.friction"
+    taken = floor.fixed.get(name, math.inf)
+    if taken == math.inf:
+        return floor
+    friction = Parameter(name, 0.3, block.breadth / (2.0 * block.centre_height), MOST_FRICTION, True, UNEVEN)
+    return replace(
+        floor, parameters=(*floor.parameters, friction), starts=tuple({**start, name: taken} for start in floor.starts),
+        fixed={key: value for key, value in floor.fixed.items() if key != name}, assumed={},
+    )  # fmt: skip
 
 
 def grips(block: DeclaredBlock, declared: float | None) -> tuple[float, float]:
@@ -142,12 +188,11 @@ def grips(block: DeclaredBlock, declared: float | None) -> tuple[float, float]:
 
 def _floor(
     label: str, spread: float, stiffnesses: Sequence[float], fixed: Mapping[str, float], *, after: str = "",
-    assumed: Mapping[str, float] | None = None,
+    assumed: Mapping[str, float] | None = None, otherwise: Mapping[str, float] | None = None,
 ) -> Candidate:  # fmt: skip
     """A floor that gives; its stiffness along itself is fitted, from that into it, unless that is fixed."""
-    stiffness = "compliant_base.corner_stiffness"
     parameters = [
-        Parameter(stiffness, 0.3, 1e-3 * stiffnesses[0], 10.0 * stiffnesses[-1], True, UNEVEN),
+        Parameter(STIFFNESS, 0.3, 1e-3 * stiffnesses[0], 10.0 * stiffnesses[-1], True, UNEVEN),
         Parameter("compliant_base.damping_ratio", 0.3, 1e-3, 2.0, True, UNEVEN),
     ]
     start, told = {"compliant_base.damping_ratio": 0.12}, ALONG in fixed
@@ -155,10 +200,10 @@ def _floor(
         parameters.append(Parameter(ALONG, 0.5, 0.05, 100.0, True, UNEVEN))
         start[ALONG] = 1.0
     return Candidate(
-        label, "compliant_base", tuple(parameters), tuple({stiffness: k, **start} for k in stiffnesses),
+        label, "compliant_base", tuple(parameters), tuple({STIFFNESS: k, **start} for k in stiffnesses),
         {"compliant_base.spread": spread, **fixed}, smooth=False, replaces_restitution=True, costly=True,
         scouts=("compliant_base.damping_ratio",), screened=FLOORS, parts=PARTS_OF_FLOORS,
-        after=after, minima_in="" if told else ALONG, assumed=assumed or {},
+        after=after, minima_in="" if told else ALONG, assumed=assumed or {}, otherwise=otherwise or {},
     )  # fmt: skip
 
 
@@ -173,11 +218,12 @@ def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candi
         [float(weight / (sink * block.breadth)) for sink in np.geomspace(8e-3, least, count)]
         for least, count in ((4e-5, 15), (1e-5, 19))
     )
-    felt = block.mass / (1.0 + 0.25 * block.breadth**2 * block.mass / block.I_c)  # of the block at a corner
-    hard = felt * (2.0 * math.pi * SOFTEST) ** 2
+    hard = felt_at_a_corner(block) * (2.0 * math.pi * SOFTEST) ** 2
+    slip = {"compliant_base.friction": grip, "compliant_base.spring_slider": OF_THE_SPRING}
+    in_series = {"compliant_base.spring_slider": IN_SERIES}
     floors = (
         *(
-            _floor(label, spread, starts, {"compliant_base.friction": grip}, assumed={"compliant_base.friction": other})
+            _floor(label, spread, starts, slip, assumed={"compliant_base.friction": other}, otherwise=in_series)
             for label, spread, starts in (("compliant_base", 0.0, soft), ("compliant_base[bed]", 1.0, of_bed))
         ),
         # The two springs of Psycharis & Jennings (1983), and their bed: the floor gives downward alone.
@@ -225,22 +271,24 @@ def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candi
             smooth=False, slips=True, replaces_restitution=True,
             scanned=tuple({"bouncing.normal_restitution": 0.05 * k} for k in range(1, 16)),
         ),
-        # A corner that bounces while the other one is still in contact. Below `SOFTEST` the floor is called compliant;
-        # far beyond 600 Hz the runs take too long. The sum of squares has minima beside each other in the frequency.
+        # A corner that bounces while the other one is still in contact. Below `SOFTEST` the floor is called compliant.
+        # The sum of squares has minima beside each other in the frequency.
         Candidate(
             "bouncing[contact]", "bouncing",
             (
                 Parameter("bouncing.normal_restitution", 0.05, 1e-3, 0.98, coarser=UNEVEN),
-                Parameter("bouncing.contact_frequency", 0.2, SOFTEST, 600.0, True, UNEVEN),
+                Parameter("bouncing.contact_frequency", 0.2, SOFTEST, HARDEST, True, UNEVEN),
                 Parameter("bouncing.tangential_ratio", 0.5, 0.05, 100.0, True, UNEVEN),
             ),
             tuple({"bouncing.normal_restitution": e, "bouncing.contact_frequency": f, "bouncing.tangential_ratio": 1.0}
                   for f in (200.0, 350.0, 550.0) for e in (0.3, 0.45, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9)),
-            {"bouncing.friction": grip}, smooth=False, replaces_restitution=True, costly=True,
+            {"bouncing.friction": grip, "bouncing.spring_slider": OF_THE_SPRING},
+            smooth=False, replaces_restitution=True, costly=True,
             scouts=("bouncing.normal_restitution",), screened=BOUNCES,
-            beyond=("compliant_base.corner_stiffness", {f.name: math.inf for f in floors} | {"compliant_base": hard}),
+            beyond=(STIFFNESS, {f.name: math.inf for f in floors} | {"compliant_base": hard}),
             same_as=bouncing_on,
             minima_in="bouncing.tangential_ratio", assumed={"bouncing.friction": other},
+            otherwise={"bouncing.spring_slider": IN_SERIES},
         ),
         Candidate(
             "base_adhesion", "base_adhesion", (Parameter("base_adhesion.moment", 0.02 * moment, 0.0, 2.0 * moment),),
@@ -263,6 +311,8 @@ def bouncing_on(model: LoopModel) -> dict[str, float]:
         "bouncing.normal_restitution": math.exp(-math.pi * share / math.sqrt(1.0 - share**2)),
         "bouncing.contact_frequency": math.sqrt(floor.corner_stiffness / felt) / (2.0 * math.pi),
         "bouncing.tangential_ratio": floor.tangential_ratio,
+        "bouncing.friction": floor.friction,
+        "bouncing.spring_slider": float(isinstance(floor, BlockOnSlidingSprings)),
     }
 
 

@@ -15,6 +15,7 @@ from studies.loop.models.candidates import Candidate
 from studies.loop.records.preparing import Setup
 from studies.loop.swings.tracing import FAR_LESS, search, search_costly
 from studies.loop.swings.trials import LEAST_GAIN, PAYS, Round, Trial, pays
+from studies.loop.whole.floors_of_releases import by_releases
 from studies.loop.whole.floors_that_give import in_agreement
 from studies.loop.whole.remaining import (
     MISSED_BY_FAR,
@@ -142,9 +143,11 @@ def stands_alone(setup: Setup, trial: Trial, whole: Fit) -> bool:
     """Whether nothing is looked for on top of a floor that gives, which takes long, though something is left of swings.
 
     How it gave before a swing began is known but roughly, and how a corner slips is idealised.  Whole records begin
-    from a lean or from rest: they have to be met, but for one that such a slip may have sent another way.
+    from a lean or from rest: they have to be met, but for one that such a slip may have sent another way.  Where all
+    releases are met shaken ones must not be missed by far: what acts besides shows by more than how a corner slips.
     """
-    return trial.costly and setup.by_rotation and rms_but_for_one(whole) < MISSED
+    within = MISSED_BY_FAR if by_releases(trial) else MISSED
+    return trial.costly and setup.by_rotation and rms_but_for_one(whole) < within
 
 
 def searched(setup: Setup, onto: Trial, pool: Sequence[Candidate], tell: Tell, later: bool) -> Round:

@@ -23,7 +23,8 @@ from studies.loop.search.revising import set_aside
 from studies.loop.search.rounds import Path, Tell, followed, nothing_of_swings, same, searched, stands_alone
 from studies.loop.swings.learning import MOST_ALIKE, by_itself, inner, open_to, profiles, terms
 from studies.loop.swings.tracing import LEADS, all_candidates, floor_promises, search
-from studies.loop.swings.trials import PAYS, Round, Trial, bic, pays
+from studies.loop.swings.trials import LEAST_GAIN, PAYS, Round, Trial, bic, pays
+from studies.loop.whole.floors_of_releases import from_releases, tell_of_floors
 from studies.loop.whole.remaining import (
     CLOSELY,
     begins_roughly,
@@ -40,7 +41,7 @@ from studies.loop.whole.remaining import (
     unexplained,
 )
 from studies.loop.whole.rivals import TWIN
-from studies.loop.whole.whole_fits import whole_fit, whole_fit_from_many
+from studies.loop.whole.whole_fits import gain, whole_fit, whole_fit_from_many
 from studies.loop.whole.whole_records import MISSED, explains_more, remembering_all
 
 NEARLY_FIRST = 0.5
@@ -49,6 +50,10 @@ NEARLY_FIRST = 0.5
 MOST_IN_PLACE_OF_THE_FIRST = 2
 
 NOT_ON_TOP = "floors that give were not tried on top of this; runs take long"
+
+NOT_OF_RELEASES = "no floor meets the first swings of releases"
+
+NOT_NEEDED_OF_RELEASES = "another floor meets all releases down to their noise; runs take long"
 
 ONE_TERM = "one coefficient without a name leaves nothing over the noise, nor of whole records; runs take long"
 
@@ -75,7 +80,7 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     # One coefficient is asked in far less time than floors, in whose reach what it explains to the end is not.
     term = None if _nothing_is_left_of_swings(setup, opening) else _coefficient(setup, plain, tell)
     floor = _floor_first(setup, begin, opening, pool, tell) if term is None else None
-    if floor is not None and _enough_alone(setup, floor):
+    if floor is not None and (_enough_alone(setup, floor) or stands_alone(setup, floor.last, floor.whole)):
         return floor
     first = floor or followed(setup, begin, pool, tell, later=True, begun=[opening], most=1)
     if not explains(setup, first.last, first.whole):
@@ -115,6 +120,8 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     if third is not None:
         rounds = [_with_reason(r) for r in _merged([third, *paths])]
         return _told(setup, third, [third, *paths], greedy, rounds)
+    if tell_of_floors(setup):
+        return _with_a_floor_of_releases(setup, quick, paths, greedy, rounds, pool, tell)
     tell("something is left: again with floors that give")
     floors = [followed(setup, begin, pool, tell, begun=_to_go_through_again(rounds))]
     # What stood of the greedy path was gone through again.
@@ -127,6 +134,32 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     return _told(setup, chosen, [*floors, *paths], greedy, rounds)
 
 
+def _with_a_floor_of_releases(
+    setup: Setup, quick: Path, paths: Sequence[Path], greedy: Path, rounds: Sequence[Round], pool: Sequence[Candidate],
+    tell: Tell,
+) -> Path:  # fmt: skip
+    """The path that serves best, with a floor that meets all releases, alone or on top of the path's first effect."""
+    chosen, floors = quick, list[Path]()
+    costly = tuple(c for c in pool if c.costly)
+    for length in (1, 2):
+        begin = Path(quick.trials[:length], quick.rounds[: length - 1], quick.fits[:length])
+        known = next((r for r in rounds if same(r.onto, begin.last)), Round(begin.last))
+        if len(begin.trials) < length or any(known.skipped.get(c.name) == NOT_OF_RELEASES for c in costly):
+            continue
+        found = _floor_of_releases(
+            setup, begin, replace(known, put_off=costly, skipped=dict(known.skipped)), tell
+        )  # fmt: skip
+        if found is None:
+            continue
+        floors.append(found)
+        if stands_alone(setup, found.last, found.whole):
+            chosen = found
+            break
+        chosen = _best(setup, [chosen, found])
+    every = [_with_reason(r) for r in _merged([*paths, *floors])]
+    return _told(setup, chosen, [*floors, *paths], greedy, every)
+
+
 def _floor_first(
     setup: Setup, begin: Path, opening: Round, pool: Sequence[Candidate], tell: Tell
 ) -> Path | None:  # fmt: skip
@@ -137,6 +170,8 @@ def _floor_first(
     """
     if _nothing_is_left_of_swings(setup, opening):
         return None
+    if tell_of_floors(setup):
+        return _floor_of_releases(setup, begin, opening, tell)
     if not declared_noise(setup) or not floor_promises(setup.simulator, opening, tell):
         return None
     tell("something is left: asking floors that give")
@@ -147,6 +182,25 @@ def _floor_first(
     # One that explains swings and misses whole records is no place to go on from: nothing is left of swings to add to.
     leads = path.last.swing.chi2 < LEADS * others and not explains(setup, path.last, path.whole)
     return path if leads or _enough_alone(setup, path) else None
+
+
+def _floor_of_releases(setup: Setup, begin: Path, opening: Round, tell: Tell) -> Path | None:
+    """The path to a floor that meets all releases, if it serves whole records by far better than what there was.
+
+    opening: a round on top of that, which put floors off.
+    """
+    tell("something is left: asking floors that give")
+    found = from_releases(setup, begin.last, opening.put_off, tell)
+    if found is None or gain(setup, begin.whole, found[1]) <= LEAST_GAIN:
+        opening.skipped |= {c.name: NOT_OF_RELEASES for c in opening.put_off}
+        return None
+    trial, whole = found
+    others = {c.name: NOT_NEEDED_OF_RELEASES for c in opening.put_off if c.name != trial.names[-1]}
+    tried = replace(
+        opening, trials=[*opening.trials, trial], put_off=(),
+        skipped={k: why for k, why in opening.skipped.items() if k != trial.names[-1]} | others,
+    )  # fmt: skip
+    return replace(begin, trials=[*begin.trials, trial], rounds=[*begin.rounds, tried], fits=[*begin.fits, whole])
 
 
 def _enough_alone(setup: Setup, path: Path) -> bool:
@@ -476,4 +530,5 @@ def _holding(tried: Round, trial: Trial) -> Round:
 
 def _with_reason(tried: Round) -> Round:
     """The round; floors that were not tried on top of it say why."""
-    return replace(tried, skipped=tried.skipped | {c.name: NOT_ON_TOP for c in tried.put_off})
+    left = (c for c in tried.put_off if tried.skipped.get(c.name) != NOT_OF_RELEASES)
+    return replace(tried, skipped=tried.skipped | {c.name: NOT_ON_TOP for c in left})

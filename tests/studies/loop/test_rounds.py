@@ -622,8 +622,19 @@ def test_what_explained_far_too_little_by_itself_is_not_tried_on_top_of_others(m
         (TILT, True, (1.0, 1.0, 1.0), False),
     ],
 )
-def test_a_floor_stands_alone_where_it_meets_all_whole_records_but_one(trial, by_rotation, rms, alone):
+def test_a_floor_stands_alone_where_it_meets_all_whole_records_but_one(monkeypatch, trial, by_rotation, rms, alone):
+    monkeypatch.setattr(rounds, "by_releases", lambda trial: False)
     assert rounds.stands_alone(SimpleNamespace(by_rotation=by_rotation), trial, whole(*rms)) is alone
+
+
+# A corner of another laboratory's, whose friction bears on springs alone, met releases to 1.0 and shaken records so.
+@pytest.mark.parametrize(
+    ("rms", "alone"), [((1.42, 1.22, 1.99, 3.15, 1.75, 2.16, 1.59), True), ((1.0, 3.9, 3.9), False)]
+)
+def test_a_floor_that_was_told_from_releases_stands_alone_where_records_are_not_missed_by_far(rms, alone):
+    setup = SimpleNamespace(by_rotation=True)
+    assert rounds.by_releases(FLOOR)  # no parameter of it was fitted to swings
+    assert rounds.stands_alone(setup, FLOOR, whole(*rms)) is alone
 
 
 def test_a_round_that_is_known_is_not_searched_again(stubs):

@@ -16,6 +16,12 @@ def no_record_is_lost(monkeypatch):
     monkeypatch.setattr(searching, "rms_but_for_one", lambda whole: whole.rms)
 
 
+@pytest.fixture(autouse=True)
+def no_releases(monkeypatch):
+    """But where a test says so."""
+    monkeypatch.setattr(searching, "tell_of_floors", lambda setup: False)
+
+
 @pytest.mark.parametrize(
     ("lost", "many", "others", "enough"),
     [
@@ -430,6 +436,62 @@ def test_others_are_asked_first_where_a_floor_does_not_explain_all(springs, chan
         setattr(springs, name, value)
     searched()
     assert ((), True, True) in springs.rounds
+
+
+@pytest.fixture
+def told(ways, monkeypatch):
+    """Releases that tell of a floor, by what it is tried on top of, where swings leave something."""
+    ways.explains = ways.chance = False
+    ways.promises = True  # which is not asked
+    ways.of_releases, ways.onto, ways.gain = {}, [], 0.5
+    ways.accepted = {((), True): path_of("a")}
+    floor = SimpleNamespace(name="floor", costly=True, effect="floor")
+    monkeypatch.setattr(searching, "all_candidates", lambda model, friction: (floor,))
+    monkeypatch.setattr(searching, "tell_of_floors", lambda setup: True)
+    monkeypatch.setattr(searching, "gain", lambda setup, without, whole: ways.gain)
+
+    def from_releases(setup, onto, pool, tell):
+        ways.onto.append(onto.names)
+        assert [c.name for c in pool] == ["floor"]
+        found = ways.of_releases.get(onto.names)
+        return found and (found, whole_of(ways, found))
+
+    monkeypatch.setattr(searching, "from_releases", from_releases)
+    return ways
+
+
+def test_a_floor_that_meets_all_releases_ends_the_search_where_it_stands_alone(told):
+    told.of_releases[()], told.alone = path_of("floor", costly=True), [("floor",)]
+    found = searched()
+    assert [t.names for t in found.trials] == [(), ("floor",)]
+    assert told.onto == [()] and told.rounds == []
+    assert [t.names for t in found.rounds[0].trials] == [("floor",)] and not found.rounds[0].put_off
+
+
+@pytest.mark.parametrize("gained", [None, searching.LEAST_GAIN])
+def test_no_floor_is_tried_on_swings_where_releases_tell_of_none(told, gained):
+    if gained is not None:
+        told.of_releases, told.gain = {(): path_of("floor", costly=True)}, gained
+    found = searched()
+    assert found.last.names == ("a",)
+    assert all(later for _, later, _ in told.rounds)
+    # Alone it was asked first, and last on top of what was found.
+    assert told.onto == [(), ("a",)]
+    assert found.rounds[0].skipped["floor"] == searching.NOT_OF_RELEASES
+
+
+def test_releases_are_asked_of_a_floor_on_top_of_the_first_effect(told):
+    told.of_releases[("a",)], told.alone = path_of("a", "floor", costly=True), [("a", "floor")]
+    found = searched()
+    assert [t.names for t in found.trials] == [(), ("a",), ("a", "floor")]
+
+
+def test_a_floor_alone_is_asked_last_where_it_was_not_first(told):
+    """Swings that one effect explains say nothing of a soft floor; whole records that are missed still may."""
+    told.trials, told.nothing = {(): [path_of("a")]}, [("a",)]
+    told.of_releases[()], told.alone = path_of("floor", costly=True), [("floor",)]
+    assert searched().last.names == ("floor",)
+    assert told.onto == [()]
 
 
 def test_a_floor_that_explains_by_far_more_than_others_is_gone_on_from(springs, monkeypatch):

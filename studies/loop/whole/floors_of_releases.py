@@ -1,0 +1,265 @@
+"""Floors that give, found from how releases begin.
+
+A release begins at rest from a lean, so that of its first swings nothing is unknown, where of any other swing it is how
+the floor gave before: no rotation shows that.  The first swings of releases lead a fit to the floor from afar, and are
+short; then come more of them, whole releases, and all whole records.
+
+Source   none, own convention
+Status   planted floors, found from any start of a range over two decades (tests, studies/loop_trials.py)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from studies.loop.fits.fitting import Fit, fit, fit_records
+from studies.loop.models.candidates import Candidate, no_harder, with_friction
+from studies.loop.models.model import LoopModel
+from studies.loop.observed.windows import Window
+from studies.loop.records.preparing import Setup
+from studies.loop.swings.trials import Trial
+from studies.loop.whole.floors_that_give import SAME
+from studies.loop.whole.whole_fits import FEWEST_SAMPLES, all_at_once, weighed_under
+from studies.loop.whole.whole_records import MISSED
+
+FIRST, THEN = (1, 2, 4, 8), (16,)
+"""Swings of each release that are fitted before all of it, from several starts, and where these led.
+
+Of four at once the sum of squares has minima beside the true one; from one, and then two, nearly all starts lead there.
+"""
+
+STARTS = 6
+"""Starts that are gone on from: those that explain most of the first swing as they are."""
+
+ENOUGH = 2
+"""So many of them that lead to a floor which meets the first swings are enough."""
+
+NEAR, ENOUGH_NEAR = 3.0, 4
+"""Rms over the noise of one swing from which a floor is near: so many starts that lead there without meeting more are
+enough as well.  With other friction, or by another law of slip, it may be met."""
+
+FAR_OFF = 15.0
+"""The same from which a fit goes no further."""
+
+SLIDES, FRICTIONS = 1.01, 12
+"""Friction over b/h from which one is tried with shaken records, and how many up to that which was taken."""
+
+FEWEST = 2
+"""Releases from which a floor is told."""
+
+
+@dataclass(frozen=True)
+class Told:
+    """A floor that meets all releases."""
+
+    candidate: Candidate
+    model: LoopModel
+    releases: tuple[Window, ...]  # from the leans that were found
+
+
+def from_releases(
+    setup: Setup, onto: Trial, pool: Sequence[Candidate], tell: Callable[[str], None] = lambda text: None
+) -> tuple[Trial, Fit] | None:
+    """The first floor that meets all releases, with its fit on whole records; none where none does, or they are few.
+
+    What it is tried on top of is fitted with it.
+
+    Its friction is fitted too, with the first swings only where they are not met without that, and how its corners slip
+    is that which meets the releases.  Its swings have the states that serve the model best, and no say in its
+    parameters.
+
+    Args:
+        setup: what the loop works on.
+        onto: the calibrated block, or that with effects.
+        pool: candidates; those that are floors are tried, softer ones under their own name.
+        tell: is told what is being done.
+    """
+    if not tell_of_floors(setup):
+        return None
+    for floor in (c for c in pool if c.costly and c.beyond is None):
+        tell(f"{floor.name}, from releases")
+        told = _told(setup, onto, floor, _releases(setup))
+        if told is not None:
+            return _on_all_records(setup, onto, _by_its_name(told, pool))
+    return None
+
+
+def tell_of_floors(setup: Setup) -> bool:
+    """Whether there are releases enough to tell a floor from: what none of them is met by is no floor then."""
+    return setup.by_rotation and len(_releases(setup)) >= FEWEST
+
+
+def by_releases(trial: Trial) -> bool:
+    """Whether a trial is one of a floor that was told from releases: its swings have no say in it."""
+    return trial.costly and not trial.swing.parameters
+
+
+def _releases(setup: Setup) -> list[Window]:
+    return [w for w in setup.whole if setup.campaign.tests[w.test].kind == "free"]
+
+
+def _first_swings(setup: Setup, releases: Sequence[Window], counts: Sequence[int]) -> list[list[Window]]:
+    """The releases up to so many swings each, for each of the counts."""
+    out = []
+    for count in counts:
+        parts = [w.until(_end_of(setup, w, count)) for w in releases]
+        out.append([p if p.data.size >= FEWEST_SAMPLES else w for p, w in zip(parts, releases, strict=True)])
+    return out
+
+
+def _end_of(setup: Setup, release: Window, count: int) -> float:
+    """When so many swings of a release are over [s]; its end if it has no more."""
+    ends = sorted(float(w.times[-1]) for w in setup.swings if w.record == release.record)
+    return ends[count - 1] if len(ends) >= count else float(release.times[-1])
+
+
+def _told(setup: Setup, onto: Trial, floor: Candidate, releases: Sequence[Window]) -> Told | None:
+    """That floor, if it meets the releases from some start.
+
+    With friction as it is taken to be, or fitted too; the law of slip that it has otherwise is asked last.
+    """
+    declared = onto.swing.model.declared
+    first = _first_swings(setup, releases, FIRST)
+    further = [*_first_swings(setup, releases, THEN), list(releases)]
+    fixed, freed = no_harder(floor, declared), with_friction(floor, declared)
+    starts = _best_starts(setup, onto, fixed, first[0])
+    forms: list[tuple[Candidate, Mapping[str, float]]] = [(fixed, {})]
+    if floor.otherwise:
+        forms += [(freed, {}), (fixed, floor.otherwise), (freed, floor.otherwise)]
+    for k, (form, changed) in enumerate(forms):
+        begun = [model.changed(changed) for model in starts]
+        found, near = _from_starts(setup, onto, form, begun, first, NEAR if k else FAR_OFF)
+        carried = (_carried_on(setup, fitted, further) for fitted in found)
+        best = min((f for f in carried if f is not None), key=lambda f: f.chi2, default=None)
+        if best is not None:
+            slip = {name: best.model.get(name) for name in floor.otherwise}
+            return Told(replace(freed, fixed={**freed.fixed, **slip}, otherwise={}), best.model, best.windows)
+        if k == 0:
+            starts = near  # how corners slip is told by more than one swing
+    return None
+
+
+def _best_starts(setup: Setup, onto: Trial, floor: Candidate, first: Sequence[Window]) -> list[LoopModel]:
+    """Starts, those before that explain most of the first swings as they are."""
+    there: list[tuple[float, int, LoopModel]] = []
+    for k, start in enumerate(floor.starts):
+        try:
+            model = onto.swing.model.changed({**floor.fixed, **start})
+            found = fit(setup.simulator, model, [], first, huber=math.inf, iterations=0)
+        except ValueError:
+            continue  # numbers that do not go together on this block
+        there.append((found.chi2, k, model))
+    return [model for _, _, model in sorted(there)[:STARTS]]
+
+
+def _from_starts(
+    setup: Setup,
+    onto: Trial,
+    floor: Candidate,
+    starts: Sequence[LoopModel],
+    first: Sequence[Sequence[Window]],
+    far_off: float,
+) -> tuple[list[Fit], list[LoopModel]]:
+    """Fits that meet the first swings of the releases, the best of each minimum; and where starts led that came near.
+
+    Plain least squares: from afar all releases are missed by far, and have to count.
+    """
+    found: list[Fit] = []
+    near: list[Fit] = []
+    parameters = (*onto.calibrated_with(floor), *onto.parameters, *floor.parameters)
+    for start in starts:
+        model, windows = start, list(first[0])
+        for k, more in enumerate(first):
+            windows = _as_far(more, windows)
+            there = fit(setup.simulator, model, parameters, windows, huber=math.inf, iterations=8, central=True)
+            model, windows = there.model, list(there.windows)
+            if k == 0 and there.rms < NEAR:
+                near.append(there)
+            if there.rms > far_off:
+                break
+        if there.rms < MISSED:
+            found.append(there)
+        if len(found) == ENOUGH or len(near) == ENOUGH_NEAR:
+            break
+    return _of_each_minimum(floor, found), [f.model for f in sorted(near, key=lambda f: f.chi2)[:ENOUGH]]
+
+
+def _as_far(windows: Sequence[Window], fitted: Sequence[Window]) -> list[Window]:
+    """Windows from the leans of others of the same releases."""
+    return [w.moved(o.theta, o.omega) for w, o in zip(windows, fitted, strict=True)]
+
+
+def _of_each_minimum(floor: Candidate, found: Sequence[Fit]) -> list[Fit]:
+    """Of fits that are of one minimum along the floor the best one."""
+    out: list[Fit] = []
+    for fitted in sorted(found, key=lambda f: f.chi2):
+        along = floor.minima_in
+        if all(along and abs(math.log(fitted.model.get(along) / o.model.get(along))) > SAME for o in out):
+            out.append(fitted)
+    return out
+
+
+def _carried_on(setup: Setup, first: Fit, further: Sequence[Sequence[Window]]) -> Fit | None:
+    """A fit of the first swings of releases carried on to more of them, as long as they are met."""
+    found = first
+    for more in further:
+        windows = _as_far(more, found.windows)
+        found = fit(setup.simulator, found.model, first.parameters, windows, whole=True, iterations=8, central=True)
+        if found.rms >= MISSED:
+            return None
+    return found
+
+
+def _by_its_name(told: Told, pool: Sequence[Candidate]) -> Told:
+    """The floor by the name that one as hard has: corners on which it is a bounce that is seen."""
+    for c in pool:
+        if c.same_as is None or c.beyond is None or told.candidate.name not in c.beyond[1]:
+            continue
+        stiffness, most = c.beyond[0], c.beyond[1][told.candidate.name]
+        named = with_friction(c, told.model.declared)
+        same = c.same_as(told.model)
+        if told.model.get(stiffness) <= most or any(not p.low <= same[p.name] <= p.high for p in named.parameters):
+            continue
+        effects = {k: v for k, v in told.model.effects.items() if k != told.candidate.effect}
+        slip = {name: same[name] for name in named.otherwise}
+        candidate = replace(named, fixed={**named.fixed, **slip}, otherwise={})
+        values = {p.name: same[p.name] for p in named.parameters}
+        model = replace(told.model, effects=effects).changed({**candidate.fixed, **values})
+        return Told(candidate, model, told.releases)
+    return told
+
+
+def _with_friction_of_shaken(setup: Setup, trial: Trial, model: LoopModel, windows: Sequence[Window]) -> LoopModel:
+    """The model, or that with the friction with which whole records are met best as they are, if these are missed.
+
+    Releases may tell little of it: where friction gives way under shaking alone it is far from what was taken.
+    """
+    friction = next((p for p in trial.parts[-1].parameters if p.name.endswith(".friction")), None)
+    weighed = weighed_under(setup, model, windows)
+    as_it_is = fit(setup.simulator, model, [], weighed, whole=True, iterations=0)
+    if friction is None or as_it_is.rms < MISSED:
+        return model
+    values = np.geomspace(SLIDES * friction.low, model.get(friction.name), FRICTIONS, endpoint=False)
+    tried = [
+        fit(setup.simulator, model.changed({friction.name: float(v)}), [], weighed, whole=True, iterations=0)
+        for v in values
+    ]
+    return min([as_it_is, *tried], key=lambda f: f.chi2).model
+
+
+def _on_all_records(setup: Setup, onto: Trial, told: Told) -> tuple[Trial, Fit]:
+    """The floor fitted to whole records, shaken ones too, and the trial of it."""
+    trial = onto.with_(told.candidate, onto.swing)
+    leant = {w.test: w for w in told.releases}
+    known = [w.moved(leant[w.test].theta, leant[w.test].omega) if w.test in leant else w for w in setup.whole]
+    model = _with_friction_of_shaken(setup, trial, told.model, known)
+    leans = fit_records(setup.simulator, model, [], weighed_under(setup, model, known), iterations=4)
+    whole = all_at_once(setup, trial, leans)
+    if not whole.converged:
+        whole = all_at_once(setup, trial, whole)
+    swing = fit(setup.simulator, whole.model, [], onto.swing.windows, iterations=3)
+    return replace(trial, swing=swing), whole

@@ -1,0 +1,108 @@
+"""Floors that give, found from how releases begin.
+
+The releases are of the virtual laboratory's block on springs, which shares no code with the models.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rocking import Block
+from studies.campaigns import Campaign, Channel, Conditions, DeclaredBlock, Test
+from studies.laboratory import contact, event, table
+from studies.laboratory.parameters import G, World, uniform
+from studies.loop.records.preparing import as_declared, prepare
+from studies.loop.swings.tracing import all_candidates, baseline
+from studies.loop.whole.floors_of_releases import from_releases, tell_of_floors
+
+BREADTH, HEIGHT, NOISE, STEP = 0.2, 0.6, 1e-4, 0.004
+BLOCK = Block(BREADTH, HEIGHT)
+DECLARED = DeclaredBlock(BREADTH, HEIGHT, BLOCK.d, BLOCK.mass)
+WORLD = uniform(BREADTH, HEIGHT, BLOCK.mass, 0.92)
+LEANS = (0.16, -0.13, 0.19)
+STIFFNESS = "compliant_base.corner_stiffness"
+
+
+def soft(k: float, xi: float, ratio: float, friction: float, springs: float = 2.0) -> World:
+    whole = 1.0 if springs == 2.0 else 2.0
+    return replace(
+        WORLD, stiffness=whole * k, damping=whole * 2.0 * xi * math.sqrt(k * WORLD.mass), springs=springs,
+        friction=friction, give=1.0 / ratio,
+    )  # fmt: skip
+
+
+def hard(frequency: float, e_n: float, ratio: float, friction: float) -> World:
+    felt = 1.0 / (1.0 / WORLD.mass + WORLD.half_breadth**2 / WORLD.inertia)
+    stiffness = felt * (2.0 * math.pi * frequency) ** 2
+    damping = -2.0 * math.log(e_n) / math.hypot(math.pi, math.log(e_n)) * math.sqrt(stiffness * felt)
+    return replace(WORLD, stiffness=stiffness, damping=damping, springs=2.0, friction=friction, give=1.0 / ratio)
+
+
+def releases_of(world: World, friction: float | None, engine: Any = contact) -> Campaign:
+    """Three releases of 3 s."""
+    time = STEP * np.arange(round(3.0 / STEP) + 1)
+    still = np.zeros(time.size)
+    at_rest = table.pieces(STEP, still, still, (still, still, still))
+    rng, tests = np.random.default_rng(1), []
+    for k, lean in enumerate(LEANS):
+        rotation = engine.simulate(world, at_rest, STEP, 1, lean).rotation
+        read = rotation + NOISE * rng.standard_normal(rotation.size)
+        channel = Channel("rotation", "rotation", NOISE)
+        tests.append(
+            Test(f"free-{k}", "free", time, (channel,), {"rotation": read}, initial_rotation=lean + 3e-4 * (-1) ** k)
+        )
+    return Campaign("releases", DECLARED, Conditions(friction=friction), tests[0].channels, tuple(tests))
+
+
+def told(campaign: Campaign) -> Any:
+    setup = prepare(campaign, as_declared(campaign, G))
+    assert tell_of_floors(setup)
+    plain = baseline(setup.simulator, setup.start, setup.swings)
+    return from_releases(setup, plain, all_candidates(setup.start, campaign.conditions.friction))
+
+
+@pytest.mark.parametrize(
+    ("world", "friction", "name", "planted"),
+    [
+        (
+            soft(2e6, 0.12, 1.5, 0.9), 0.9, "compliant_base",
+            {STIFFNESS: 2e6, "compliant_base.damping_ratio": 0.12, "compliant_base.tangential_ratio": 1.5},
+        ),
+        # Its friction is taken as 2, and comes out.
+        (
+            hard(250.0, 0.7, 0.7, 1.0), None, "bouncing[contact]",
+            {"bouncing.normal_restitution": 0.7, "bouncing.contact_frequency": 250.0,
+             "bouncing.tangential_ratio": 0.7, "bouncing.friction": 1.0},
+        ),
+        pytest.param(
+            soft(2e7, 0.2, 1.0, 0.9, springs=15.0), 0.9, "compliant_base[bed]",
+            {STIFFNESS: 2e7, "compliant_base.damping_ratio": 0.2}, marks=pytest.mark.slow,
+        ),
+    ],
+)  # fmt: skip
+def test_a_floor_is_found_from_starts_far_from_it(
+    world: World, friction: float | None, name: str, planted: dict[str, float]
+) -> None:
+    """Stiffnesses begin up to two decades away."""
+    trial, whole = told(releases_of(world, friction))
+    assert trial.names == (name,)
+    assert whole.rms < 1.1
+    found = {p: trial.swing.model.get(p) for p in planted}
+    print(found)
+    for parameter, value in planted.items():
+        assert found[parameter] == pytest.approx(value, rel=0.03), parameter
+    # Its friction is a parameter of the trial, how it slips is not.
+    effect = trial.effects[0]
+    assert f"{effect}.friction" in [p.name for p in trial.parameters]
+    assert trial.swing.model.get(f"{effect}.spring_slider") == 1.0
+    assert trial.swing.parameters == ()
+
+
+def test_a_rigid_floor_beside_a_string_is_none() -> None:
+    world = replace(WORLD, tether_stiffness=0.05 * BLOCK.mass * G, tether_plus=0.05, tether_minus=0.05)
+    assert told(releases_of(world, None, event)) is None
