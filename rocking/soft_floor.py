@@ -60,6 +60,7 @@ class Parameters(NamedTuple):
     mu: float  # friction of a foot [1], `UNLIMITED` where it holds in any case
     balance_right: float  # tilt of unstable balance to +x [rad]
     balance_left: float  # to -x [rad], positive
+    elastic: float  # 1 where friction is that of the springs into the floor alone (`rocking.spring_slider`) [1]
     hooks: Any  # Hooks; those of an impact are not asked for, since its loss follows from the dashpots
 
 
@@ -298,7 +299,7 @@ class BlockOnSoftFloor(OnRigidBlock):
         return Parameters(
             form.half_breadth, form.offset, form.mass_height, form.rho2, float(self.g), per_mass, dashpot,
             along * per_mass, math.sqrt(along) * dashpot, float(self.spread), min(float(self.friction), UNLIMITED),
-            form.theta_c(1.0), form.theta_c(-1.0),
+            form.theta_c(1.0), form.theta_c(-1.0), 0.0,
             self.rigid.hooks,
         )  # fmt: skip
 

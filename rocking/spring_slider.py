@@ -6,12 +6,16 @@ friction gives it, whatever the dashpot does beside it, which has what is left,
     |q| <= mu N / k_t,  F = -(k_t q + c_t e') as long as |F| <= mu N, else such that |F| = mu N
     q' = e' while |q| < mu N / k_t;  slipping, q = +-mu N / k_t, until it would stretch no faster than that grows
 
+or, `elastic`, the friction of the spring into the floor, with no dashpot beside the spring of a foot that slips,
+
+    |q| <= mu k d / k_t,  F = -(k_t q + c_t e') while |q| < mu k d / k_t; slipping, F = -+mu k d
+
 so that a foot that turns back is pulled at once by a spring that is stretched as far as it may be, where a slider in
 series with spring and dashpot leaves that to the dashpot.  When a foot begins to slip and when it holds again are
 events: which of its feet slip, and to which side, is part of the discrete state.
 
 Source   Cundall & Strack (1979), Geotechnique 29, 47-65: shear forces are stored, and cut in the store to what friction
-         gives; here in continuous time
+         gives; here in continuous time.  Whether dashpots count in what friction gives is left open there
 Status   energy balance, Coulomb's law on both corners, distinct elements, the laboratory of `studies` in its own
          steps, which shares no code with it (tests).  Runs take some 1.6 times as long as those of `rocking.soft_floor`
 """
@@ -19,8 +23,9 @@ Status   energy balance, Coulomb's law on both corners, distinct elements, the l
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 from rocking.hybrid import Base, Discrete
@@ -68,11 +73,14 @@ class Limited(NamedTuple):
 def limited(xp: Any, at: Foot, touched: Any, touches: Any, slips: Any, beside: Any, par: Parameters) -> Limited:
     """A foot that first touched the floor at x = touched, and what it gives; where it slips it is not dragged yet."""
     N = pressed(xp, at, touches, par)
-    gives = par.mu * (N + beside)
+    by_spring = xp.where(touches, (1.0 - par.spread) * par.k * xp.maximum(-at.height, 0.0), 0.0)
+    gives = par.mu * (xp.where(par.elastic > 0.0, by_spring, N) + beside)
     most, since = gives / par.k_t, at.x - touched
     stretch = xp.where(slips != 0.0, slips * most, since)
     within = xp.minimum(xp.maximum(stretch, -most), most)
-    F = xp.minimum(xp.maximum(-par.k_t * within - par.c_t * at.u, -gives), gives)
+    both = -par.k_t * within - par.c_t * at.u
+    alone = xp.where(slips != 0.0, -par.k_t * within, both)
+    F = xp.where(par.elastic > 0.0, alone, xp.minimum(xp.maximum(both, -gives), gives))
     return Limited(since, most, Held(xp.where(touches, F, 0.0), N, 0.0 * at.u))
 
 
@@ -103,7 +111,10 @@ def growth(
     """How fast what the spring of a foot may be stretched by grows [m/s]."""
     # Its acceleration upward is z'' - theta'' r_x - theta'^2 r_z.
     up = changes[1] - changes[2] * at.r_x - y[5] ** 2 * at.r_z
-    pressed_more = xp.where(N > 0.0, (1.0 - par.spread) * (-par.k * at.v - par.c * up), 0.0)
+    by_spring = -par.k * at.v
+    carried = xp.where(par.elastic > 0.0, at.height < 0.0, N > 0.0)
+    grows = xp.where(par.elastic > 0.0, by_spring, by_spring - par.c * up)
+    pressed_more = xp.where(carried, (1.0 - par.spread) * grows, 0.0)
     return par.mu * (pressed_more + of_bed_grows) / par.k_t
 
 
@@ -177,10 +188,13 @@ class BlockOnSlidingSprings(BlockOnSoftFloor):
     Args:
         rigid, corner_stiffness, damping_ratio, spread, tangential_ratio: as of `rocking.soft_floor.BlockOnSoftFloor`.
         friction: mu of a corner [1], positive and finite.
+        elastic: whether it is that of the springs into the floor alone, and dashpots along it act where corners hold.
 
     Raises:
         ValueError: as there, but for a dashpot, which it does not need; or friction is infinite.
     """
+
+    elastic: bool = False
 
     name = "spring_slider"
     guard_names = (
@@ -190,6 +204,11 @@ class BlockOnSlidingSprings(BlockOnSoftFloor):
     flow = staticmethod(flow)
     guards = staticmethod(guards)
     jump = staticmethod(jump)
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """The numbers that the equations take."""
+        return super().parameters._replace(elastic=float(self.elastic))
 
     def _check_slider(self) -> None:
         if self.friction == math.inf:
@@ -203,12 +222,20 @@ class BlockOnSlidingSprings(BlockOnSoftFloor):
         return y, Discrete(q.mode, q.s, 0.0)
 
 
-def sliding_as(effect: str, spring_slider: float) -> type[BlockOnSoftFloor]:
+SLIDERS: dict[float, Callable[..., BlockOnSoftFloor]] = {
+    0.0: BlockOnSoftFloor,
+    1.0: BlockOnSlidingSprings,
+    2.0: partial(BlockOnSlidingSprings, elastic=True),
+}
+"""Blocks on springs by what friction limits: spring and dashpot, the spring alone, or that by the spring alone."""
+
+
+def sliding_as(effect: str, spring_slider: float) -> Callable[..., BlockOnSoftFloor]:
     """The block on springs whose corners slip as an effect has it.
 
     Raises:
-        ValueError: it is neither 0 nor 1.
+        ValueError: it is none of 0, 1 and 2.
     """
-    if spring_slider not in (0.0, 1.0):
-        raise ValueError(f"{effect}.spring_slider={spring_slider!r}: want 0 or 1")
-    return BlockOnSlidingSprings if spring_slider else BlockOnSoftFloor
+    if spring_slider not in SLIDERS:
+        raise ValueError(f"{effect}.spring_slider={spring_slider!r}: want 0, 1 or 2")
+    return SLIDERS[spring_slider]

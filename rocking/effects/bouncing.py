@@ -9,7 +9,8 @@ Parameters  normal_restitution e_n [1], 0 where it is absent; it takes the place
             impacts at an instant.  contact_frequency f [Hz] of a corner on its spring, infinite where impacts
             happen at an instant.  tangential_ratio [1], its stiffness along the floor over that normal to it: 20 unless
             given, with which it is all but held.  spring_slider [1]: 1 where friction limits its spring along
-            the floor alone (`rocking.spring_slider`), 0 (unless given) where it limits spring and dashpot in series.
+            the floor alone (`rocking.spring_slider`), 2 where it is that of the spring into it alone, too, 0 (unless
+            given) where it limits spring and dashpot in series.
             Both are without effect where impacts happen at an instant
 Use when    short blocks or stiff floors: after an impact the corner is seen to lift, or the block rattles.  With f a
             corner may bounce while the other one is still in contact; what a swing of a slender block loses is then
@@ -70,7 +71,7 @@ class Bouncing(Effect):
         "contact_frequency": (0.0, math.inf),
         "tangential_ratio": (0.0, math.inf),
         "stops": (0.0, 1.0),
-        "spring_slider": (0.0, 1.0),
+        "spring_slider": (0.0, 2.0),
     }
 
     def ways_used(self) -> frozenset[str]:

@@ -8,7 +8,8 @@ Parameters  corner_stiffness k [N/m], infinite (rigid) where it is absent; dampi
             alone and the lower corner stays in its place (`rocking.downward_floor`); friction mu of the corners [1],
             infinite where it is absent: then they are held until they leave the floor, which makes impacts harder than
             those of any foot that friction holds.  spring_slider [1]: 1 where friction limits the spring along the
-            floor alone (`rocking.spring_slider`), 0 (unless given) where it limits spring and dashpot in series
+            floor alone (`rocking.spring_slider`), 2 where it is that of the spring into it alone, too, 0 (unless given)
+            where it limits spring and dashpot in series
 Use when    the block stands on rubber, soil or a soft table, or rattles audibly
 Limits      on a bed the corners alone are held along the floor, by the friction of the whole bed; not together with
             rounded_edges or sliding
@@ -19,6 +20,7 @@ Status      see `rocking.soft_floor`, `rocking.spring_slider` and `rocking.downw
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -56,7 +58,7 @@ class CompliantBase(Effect):
         "spread": (0.0, 1.0),
         "tangential_ratio": (0.0, math.inf),
         "friction": (0.0, math.inf),
-        "spring_slider": (0.0, 1.0),
+        "spring_slider": (0.0, 2.0),
     }
     unbounded: ClassVar[frozenset[str]] = frozenset({"tangential_ratio"})
 
@@ -68,7 +70,7 @@ class CompliantBase(Effect):
         """
         if self.corner_stiffness == math.inf:
             return system
-        made = sliding_as(self.name, self.spring_slider)
+        made: Callable[..., System] = sliding_as(self.name, self.spring_slider)
         if self.tangential_ratio == math.inf:
             if self.spring_slider:
                 raise ValueError(

@@ -18,7 +18,6 @@ from rocking import G_STANDARD
 from rocking.effects import load
 from rocking.form import Form
 from rocking.soft_floor import BlockOnSoftFloor
-from rocking.spring_slider import BlockOnSlidingSprings
 from studies.campaigns import DeclaredBlock
 from studies.loop.models.model import RESTITUTION, LoopModel
 from studies.loop.models.parameters import UNEVEN, Parameter
@@ -49,8 +48,7 @@ class Candidate:
     same_as: Callable[[LoopModel], Mapping[str, float]] | None = None
     minima_in: str = ""  # a parameter in which whole records have minima beside each other
     assumed: Mapping[str, float] = field(default_factory=dict)  # of those that stay: other values that may be as right
-    # Of those that stay: another law of the same thing, asked where whole records are missed.
-    otherwise: Mapping[str, float] = field(default_factory=dict)
+    otherwise: tuple[Mapping[str, float], ...] = ()  # of those that stay: other laws of the same thing
 
     def nothing(self, block: DeclaredBlock) -> dict[str, float]:
         """Its own parameters at their absent values: what adds nothing where the effect is there in another form."""
@@ -125,11 +123,9 @@ BOUNCES = 8
 
 ALONG = "compliant_base.tangential_ratio"
 
-OF_THE_SPRING = 1.0
-"""`spring_slider` with which corners slip as in distinct elements; asked first."""
-
-IN_SERIES = 0.0
-"""With which spring and dashpot slip together."""
+OF_THE_SPRING, BY_THE_SPRING, IN_SERIES = 1.0, 2.0, 0.0
+"""`spring_slider`: friction limits the spring along the floor alone, which is asked first; it is that of the spring
+into the floor alone, too; or spring and dashpot slip together."""
 
 GRIP, LESS_GRIP = 2.0, 1.0
 """Friction of corners on springs [1] where none is declared: more than shaking asks for, so that they slip only where
@@ -179,6 +175,11 @@ def with_friction(floor: Candidate, block: DeclaredBlock) -> Candidate:
     )  # fmt: skip
 
 
+def _other_slip(effect: str) -> tuple[Mapping[str, float], ...]:
+    """The laws of slip that are asked after the first one."""
+    return tuple({f"{effect}.spring_slider": law} for law in (BY_THE_SPRING, IN_SERIES))
+
+
 def grips(block: DeclaredBlock, declared: float | None) -> tuple[float, float]:
     """Friction of corners on springs, and another value of it that may be as right."""
     if declared is None or declared < SURELY_ROCKS * math.tan(block.alpha):
@@ -188,7 +189,7 @@ def grips(block: DeclaredBlock, declared: float | None) -> tuple[float, float]:
 
 def _floor(
     label: str, spread: float, stiffnesses: Sequence[float], fixed: Mapping[str, float], *, after: str = "",
-    assumed: Mapping[str, float] | None = None, otherwise: Mapping[str, float] | None = None,
+    assumed: Mapping[str, float] | None = None, otherwise: tuple[Mapping[str, float], ...] = (),
 ) -> Candidate:  # fmt: skip
     """A floor that gives; its stiffness along itself is fitted, from that into it, unless that is fixed."""
     parameters = [
@@ -203,7 +204,7 @@ def _floor(
         label, "compliant_base", tuple(parameters), tuple({STIFFNESS: k, **start} for k in stiffnesses),
         {"compliant_base.spread": spread, **fixed}, smooth=False, replaces_restitution=True, costly=True,
         scouts=("compliant_base.damping_ratio",), screened=FLOORS, parts=PARTS_OF_FLOORS,
-        after=after, minima_in="" if told else ALONG, assumed=assumed or {}, otherwise=otherwise or {},
+        after=after, minima_in="" if told else ALONG, assumed=assumed or {}, otherwise=otherwise,
     )  # fmt: skip
 
 
@@ -220,10 +221,10 @@ def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candi
     )
     hard = felt_at_a_corner(block) * (2.0 * math.pi * SOFTEST) ** 2
     slip = {"compliant_base.friction": grip, "compliant_base.spring_slider": OF_THE_SPRING}
-    in_series = {"compliant_base.spring_slider": IN_SERIES}
+    other_slip = _other_slip("compliant_base")
     floors = (
         *(
-            _floor(label, spread, starts, slip, assumed={"compliant_base.friction": other}, otherwise=in_series)
+            _floor(label, spread, starts, slip, assumed={"compliant_base.friction": other}, otherwise=other_slip)
             for label, spread, starts in (("compliant_base", 0.0, soft), ("compliant_base[bed]", 1.0, of_bed))
         ),
         # The two springs of Psycharis & Jennings (1983), and their bed: the floor gives downward alone.
@@ -288,7 +289,7 @@ def _of_the_contact(block: DeclaredBlock, friction: float | None) -> tuple[Candi
             beyond=(STIFFNESS, {f.name: math.inf for f in floors} | {"compliant_base": hard}),
             same_as=bouncing_on,
             minima_in="bouncing.tangential_ratio", assumed={"bouncing.friction": other},
-            otherwise={"bouncing.spring_slider": IN_SERIES},
+            otherwise=_other_slip("bouncing"),
         ),
         Candidate(
             "base_adhesion", "base_adhesion", (Parameter("base_adhesion.moment", 0.02 * moment, 0.0, 2.0 * moment),),
@@ -312,7 +313,7 @@ def bouncing_on(model: LoopModel) -> dict[str, float]:
         "bouncing.contact_frequency": math.sqrt(floor.corner_stiffness / felt) / (2.0 * math.pi),
         "bouncing.tangential_ratio": floor.tangential_ratio,
         "bouncing.friction": floor.friction,
-        "bouncing.spring_slider": float(isinstance(floor, BlockOnSlidingSprings)),
+        "bouncing.spring_slider": model.effects["compliant_base"].get("spring_slider", IN_SERIES),
     }
 
 

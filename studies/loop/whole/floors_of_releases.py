@@ -21,8 +21,9 @@ from studies.loop.models.candidates import Candidate, no_harder, with_friction
 from studies.loop.models.model import LoopModel
 from studies.loop.observed.windows import Window
 from studies.loop.records.preparing import Setup
-from studies.loop.swings.trials import Trial
+from studies.loop.swings.trials import PAYS, Trial
 from studies.loop.whole.floors_that_give import SAME
+from studies.loop.whole.remaining import STRUCTURE
 from studies.loop.whole.whole_fits import FEWEST_SAMPLES, all_at_once, weighed_under
 from studies.loop.whole.whole_records import MISSED
 
@@ -120,7 +121,7 @@ def _end_of(setup: Setup, release: Window, count: int) -> float:
 def _told(setup: Setup, onto: Trial, floor: Candidate, releases: Sequence[Window]) -> Told | None:
     """That floor, if it meets the releases from some start.
 
-    With friction as it is taken to be, or fitted too; the law of slip that it has otherwise is asked last.
+    With friction as it is taken to be, or fitted too; other laws of slip are asked last, or where something is left.
     """
     declared = onto.swing.model.declared
     first = _first_swings(setup, releases, FIRST)
@@ -129,18 +130,33 @@ def _told(setup: Setup, onto: Trial, floor: Candidate, releases: Sequence[Window
     starts = _best_starts(setup, onto, fixed, first[0])
     forms: list[tuple[Candidate, Mapping[str, float]]] = [(fixed, {})]
     if floor.otherwise:
-        forms += [(freed, {}), (fixed, floor.otherwise), (freed, floor.otherwise)]
+        forms += [(freed, {}), *((form, law) for law in floor.otherwise for form in (fixed, freed))]
     for k, (form, changed) in enumerate(forms):
         begun = [model.changed(changed) for model in starts]
         found, near = _from_starts(setup, onto, form, begun, first, NEAR if k else FAR_OFF)
         carried = (_carried_on(setup, fitted, further) for fitted in found)
         best = min((f for f in carried if f is not None), key=lambda f: f.chi2, default=None)
         if best is not None:
-            slip = {name: best.model.get(name) for name in floor.otherwise}
-            return Told(replace(freed, fixed={**freed.fixed, **slip}, otherwise={}), best.model, best.windows)
+            best = _by_the_best_law(setup, best, floor, further)
+            slip = {name: best.model.get(name) for law in floor.otherwise for name in law}
+            return Told(replace(freed, fixed={**freed.fixed, **slip}, otherwise=()), best.model, best.windows)
         if k == 0:
             starts = near  # how corners slip is told by more than one swing
     return None
+
+
+def _by_the_best_law(setup: Setup, found: Fit, floor: Candidate, further: Sequence[Sequence[Window]]) -> Fit:
+    """The floor by the law of slip that meets releases best, where one leaves something of them."""
+    best = found
+    for law in floor.otherwise if found.rms > STRUCTURE else ():
+        begun = fit(
+            setup.simulator, found.model.changed(law), found.parameters, _as_far(further[0], found.windows), whole=True,
+            iterations=8, central=True,
+        )  # fmt: skip
+        other = _carried_on(setup, begun, further[1:])
+        if other is not None and other.chi2 < best.chi2 - PAYS:
+            best = other
+    return best
 
 
 def _best_starts(setup: Setup, onto: Trial, floor: Candidate, first: Sequence[Window]) -> list[LoopModel]:
@@ -225,8 +241,8 @@ def _by_its_name(told: Told, pool: Sequence[Candidate]) -> Told:
         if told.model.get(stiffness) <= most or any(not p.low <= same[p.name] <= p.high for p in named.parameters):
             continue
         effects = {k: v for k, v in told.model.effects.items() if k != told.candidate.effect}
-        slip = {name: same[name] for name in named.otherwise}
-        candidate = replace(named, fixed={**named.fixed, **slip}, otherwise={})
+        slip = {name: same[name] for law in named.otherwise for name in law}
+        candidate = replace(named, fixed={**named.fixed, **slip}, otherwise=())
         values = {p.name: same[p.name] for p in named.parameters}
         model = replace(told.model, effects=effects).changed({**candidate.fixed, **values})
         return Told(candidate, model, told.releases)

@@ -42,18 +42,22 @@ def in_agreement(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit]:
 
 def _by_another_law(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit] | None:
     """The same by another law, where whole records are missed, if they prefer it by far and swings do not refuse it."""
-    changed = {name: value for part in trial.parts for name, value in part.otherwise.items()}
-    if not changed or met(setup, whole, CLOSELY):
+    laws = [(k, law) for k, part in enumerate(trial.parts) for law in part.otherwise]
+    if not laws or met(setup, whole, CLOSELY):
         return None
-    parts = tuple(replace(part, fixed={**part.fixed, **part.otherwise}, otherwise={}) for part in trial.parts)
-    model = whole.model.changed(changed)
-    there = fit(setup.simulator, model, [], trial.swing.windows, iterations=3)
-    swing = fit(setup.simulator, model, trial.every, there.windows, iterations=FURTHER_COSTLY)
-    if swing.chi2 > trial.swing.chi2 + PAYS:
-        return None
-    other = replace(trial, parts=parts, swing=swing)
-    found = whole_fit(setup, other, whole)
-    return (other, found) if found.chi2 < whole.chi2 - PAYS * found.spread else None
+    best: tuple[Trial, Fit] | None = None
+    for k, law in laws:
+        part = replace(trial.parts[k], fixed={**trial.parts[k].fixed, **law}, otherwise=())
+        model = whole.model.changed(law)
+        there = fit(setup.simulator, model, [], trial.swing.windows, iterations=3)
+        swing = fit(setup.simulator, model, trial.every, there.windows, iterations=FURTHER_COSTLY)
+        if swing.chi2 > trial.swing.chi2 + PAYS:
+            continue
+        other = replace(trial, parts=(*trial.parts[:k], part, *trial.parts[k + 1 :]), swing=swing)
+        found = whole_fit(setup, other, whole)
+        if found.chi2 < (whole if best is None else best[1]).chi2 - PAYS * found.spread:
+            best = other, found
+    return best
 
 
 def from_whole_records(setup: Setup, trial: Trial, whole: Fit) -> Trial:

@@ -50,7 +50,7 @@ class Trial:
 
     @property
     def parts(self) -> tuple[Any, ...]:
-        return (SimpleNamespace(parameters=(STIFF, ALONG), minima_in=self.minima_in, otherwise={}),)
+        return (SimpleNamespace(parameters=(STIFF, ALONG), minima_in=self.minima_in, otherwise=()),)
 
     @property
     def every(self) -> tuple[Parameter, ...]:
@@ -198,7 +198,7 @@ def by_another_law(
     monkeypatch.setattr(floors_that_give, "whole_fit", whole_fit)
     monkeypatch.setattr(floors_that_give, "met", lambda setup, found, within: met)
     floor = Candidate(
-        "floor", "compliant_base", (STIFF, ALONG), (), {"floor.friction": 2.0, SLIDER: 1.0}, otherwise={SLIDER: 0.0}
+        "floor", "compliant_base", (STIFF, ALONG), (), {"floor.friction": 2.0, SLIDER: 1.0}, otherwise=({SLIDER: 0.0},)
     )
     trial = trials.Trial(("floor",), (floor,), of(Slips(1.0), 100.0))
     return floors_that_give._by_another_law(SETUP, trial, of(Slips(1.0), 5000.0)), asked
@@ -208,7 +208,7 @@ def test_corners_slip_by_another_law_where_whole_records_prefer_that_by_far(monk
     found, asked = by_another_law(monkeypatch)
     trial, whole = found
     assert whole.chi2 == 2000.0 and trial.swing.model == whole.model == Slips(0.0)
-    assert trial.parts[0].fixed[SLIDER] == 0.0 and trial.parts[0].otherwise == {}
+    assert trial.parts[0].fixed[SLIDER] == 0.0 and trial.parts[0].otherwise == ()
     assert asked == ["swings", "swings", "whole records"]
 
 
