@@ -137,7 +137,7 @@ def _told(setup: Setup, onto: Trial, floor: Candidate, releases: Sequence[Window
         carried = (_carried_on(setup, fitted, further) for fitted in found)
         best = min((f for f in carried if f is not None), key=lambda f: f.chi2, default=None)
         if best is not None:
-            best = _by_the_best_law(setup, best, floor, further)
+            best = _preferred(setup, _by_every_law(setup, onto, best, found, freed, further))
             slip = {name: best.model.get(name) for law in floor.otherwise for name in law}
             return Told(replace(freed, fixed={**freed.fixed, **slip}, otherwise=()), best.model, best.windows)
         if k == 0:
@@ -145,18 +145,36 @@ def _told(setup: Setup, onto: Trial, floor: Candidate, releases: Sequence[Window
     return None
 
 
-def _by_the_best_law(setup: Setup, found: Fit, floor: Candidate, further: Sequence[Sequence[Window]]) -> Fit:
-    """The floor by the law of slip that meets releases best, where one leaves something of them."""
-    best = found
-    for law in floor.otherwise if found.rms > STRUCTURE else ():
-        begun = fit(
-            setup.simulator, found.model.changed(law), found.parameters, _as_far(further[0], found.windows), whole=True,
-            iterations=8, central=True,
-        )  # fmt: skip
-        other = _carried_on(setup, begun, further[1:])
-        if other is not None and other.chi2 < best.chi2 - PAYS:
-            best = other
-    return best
+def _by_every_law(
+    setup: Setup, onto: Trial, best: Fit, found: Sequence[Fit], freed: Candidate, further: Sequence[Sequence[Window]]
+) -> list[Fit]:
+    """Of each law of slip the fit that meets releases best, its friction fitted, where one leaves something of them.
+
+    found: the fits of the first swings, from which each begins: by a wrong law it is led away from there.
+    """
+    if best.rms <= STRUCTURE:
+        return [best]
+    out = [best]
+    parameters = (*onto.calibrated_with(freed), *onto.parameters, *freed.parameters)
+    for law in ({}, *freed.otherwise):
+        carried = []
+        for first in found:
+            model, windows = first.model.changed(law), first.windows
+            begun = fit(setup.simulator, model, parameters, windows, huber=math.inf, iterations=8, central=True)
+            carried.append(_carried_on(setup, begun, further) if begun.rms < MISSED else None)
+        own = [other for other in carried if other is not None]
+        out += [min(own, key=lambda f: f.chi2)] if own else []
+    least = min(other.chi2 for other in out)
+    return [other for other in out if other.chi2 < least + PAYS]
+
+
+def _preferred(setup: Setup, fits: Sequence[Fit]) -> Fit:
+    """Of fits that releases do not tell apart that which whole records prefer, as they are."""
+    if len(fits) == 1:
+        return fits[0]
+    windows = weighed_under(setup, fits[0].model, setup.whole)
+    whole = [fit_records(setup.simulator, f.model, [], windows, iterations=4).chi2 for f in fits]
+    return fits[int(np.argmin(whole))]
 
 
 def _best_starts(setup: Setup, onto: Trial, floor: Candidate, first: Sequence[Window]) -> list[LoopModel]:
