@@ -12,7 +12,7 @@ from studies.loop import closing
 from studies.loop.search import searching
 from studies.loop.swings.tracing import all_candidates
 
-RIVALS = {"bouncing", "velocity_dependent_restitution", "viscous_damping", "base_motion_lag"}
+RIVALS = {"bouncing", "compliant_base", "velocity_dependent_restitution", "viscous_damping", "base_motion_lag"}
 
 
 @pytest.mark.slow
