@@ -10,14 +10,16 @@ or, `elastic`, the friction of the spring into the floor, with no dashpot beside
 
     |q| <= mu k d / k_t,  F = -(k_t q + c_t e') while |q| < mu k d / k_t; slipping, F = -+mu k d
 
-so that a foot that turns back is pulled at once by a spring that is stretched as far as it may be, where a slider in
-series with spring and dashpot leaves that to the dashpot.  When a foot begins to slip and when it holds again are
-events: which of its feet slip, and to which side, is part of the discrete state.
+(of a bed what it carries counts with its dashpots in either), so that a foot that turns back is pulled at once by a
+spring that is stretched as far as it may be, where a slider in series with spring and dashpot leaves that to the
+dashpot.  When a foot begins to slip and when it holds again are events: which of its feet slip, and to which side, is
+part of the discrete state.
 
 Source   Cundall & Strack (1979), Geotechnique 29, 47-65: shear forces are stored, and cut in the store to what friction
-         gives; here in continuous time.  Whether dashpots count in what friction gives is left open there
+         gives; here in continuous time, with dashpots in what friction gives or without them
 Status   energy balance, Coulomb's law on both corners, distinct elements, the laboratory of `studies` in its own
-         steps, which shares no code with it (tests).  Runs take some 1.6 times as long as those of `rocking.soft_floor`
+         steps, which shares no code with it, and equal steps of stored forces; `elastic` on a bed against nothing
+         (tests).  Runs take some 1.6 times as long as those of `rocking.soft_floor`
 """
 
 from __future__ import annotations
@@ -78,9 +80,11 @@ def limited(xp: Any, at: Foot, touched: Any, touches: Any, slips: Any, beside: A
     most, since = gives / par.k_t, at.x - touched
     stretch = xp.where(slips != 0.0, slips * most, since)
     within = xp.minimum(xp.maximum(stretch, -most), most)
-    both = -par.k_t * within - par.c_t * at.u
-    alone = xp.where(slips != 0.0, -par.k_t * within, both)
-    F = xp.where(par.elastic > 0.0, alone, xp.minimum(xp.maximum(both, -gives), gives))
+    spring = -par.k_t * within
+    damped = spring - par.c_t * at.u
+    F = xp.where(
+        par.elastic > 0.0, xp.where(slips != 0.0, spring, damped), xp.minimum(xp.maximum(damped, -gives), gives)
+    )
     return Limited(since, most, Held(xp.where(touches, F, 0.0), N, 0.0 * at.u))
 
 

@@ -51,7 +51,7 @@ MOST_IN_PLACE_OF_THE_FIRST = 2
 
 NOT_ON_TOP = "floors that give were not tried on top of this; runs take long"
 
-NOT_OF_RELEASES = "no floor meets the first swings of releases"
+NOT_OF_RELEASES = "no floor meets the releases and serves whole records"
 
 NOT_NEEDED_OF_RELEASES = "another floor meets all releases down to their noise; runs take long"
 
@@ -139,7 +139,7 @@ def _with_a_floor_of_releases(
     tell: Tell,
 ) -> Path:  # fmt: skip
     """The path that serves best, with a floor that meets all releases, alone or on top of the path's first effect."""
-    chosen, floors = quick, list[Path]()
+    chosen, floors, refused = quick, list[Path](), list[Trial]()
     costly = tuple(c for c in pool if c.costly)
     for length in (1, 2):
         begin = Path(quick.trials[:length], quick.rounds[: length - 1], quick.fits[:length])
@@ -150,13 +150,18 @@ def _with_a_floor_of_releases(
             setup, begin, replace(known, put_off=costly, skipped=dict(known.skipped)), tell
         )  # fmt: skip
         if found is None:
+            refused.append(begin.last)
             continue
         floors.append(found)
         if stands_alone(setup, found.last, found.whole):
             chosen = found
             break
         chosen = _best(setup, [chosen, found])
-    every = [_with_reason(r) for r in _merged([*paths, *floors])]
+    why = {c.name: NOT_OF_RELEASES for c in costly}
+    every = [
+        _with_reason(replace(r, skipped=r.skipped | why) if any(same(r.onto, t) for t in refused) else r)
+        for r in _merged([*paths, *floors])
+    ]
     return _told(setup, chosen, [*floors, *paths], greedy, every)
 
 

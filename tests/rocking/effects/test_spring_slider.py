@@ -1,6 +1,7 @@
 """Corners whose springs along the floor friction limits: Coulomb's law, energy, distinct elements, solvers."""
 
 import math
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -10,22 +11,16 @@ from numba import njit
 from scipy.integrate import simpson
 
 import dem
-from rocking import Block, Method1, Mode, solve
+from rocking import Block, Method1, Mode
 from rocking.effects import compose, parse
 from rocking.hybrid import Base, Discrete
 from rocking.spring_slider import BlockOnSlidingSprings
 
+from . import springs
+from .springs import BLOCK, feet
+
 G = 9.80665
-BLOCK = Block(b=0.15, h=0.50, d=0.25)
-
-
-def on_springs(k: float, xi: float, mu: float, ratio: float = 1.0, block: Block = BLOCK, **options: Any) -> Any:
-    numbers = {
-        "corner_stiffness": k, "damping_ratio": xi, "friction": mu, "tangential_ratio": ratio,
-        "spring_slider": options.pop("slider", 1.0), "spread": options.pop("spread", 0.0),
-    }  # fmt: skip
-    effects = parse([f"compliant_base.{name}={value!r}" for name, value in numbers.items()])
-    return solve(Method1(block), options.pop("motion", None), effects=effects, **options)
+on_springs = partial(springs.on_springs, slider=1.0)
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
@@ -64,12 +59,6 @@ def test_energy_and_what_dashpots_and_friction_take_add_up(mu: float, ratio: flo
     run = on_springs(k, xi, mu, ratio, theta=0.1, t_end=0.45, save_at=t, rtol=1e-12, atol=1e-15)
     m, c = BLOCK.mass, 2.0 * xi * math.sqrt(k * BLOCK.mass)
     k_t, c_t = ratio * k, 2.0 * xi * math.sqrt(ratio * k * BLOCK.mass)
-
-    def feet(y: np.ndarray, side: float) -> tuple[np.ndarray, ...]:
-        x, z, theta, u, v, omega = y.T[:6]
-        r_x = side * 0.075 * np.cos(theta) - 0.25 * np.sin(theta)
-        r_z = -side * 0.075 * np.sin(theta) - 0.25 * np.cos(theta)
-        return x + r_x - y[:, 6 if side > 0.0 else 7], z + r_z, u + omega * r_z, v - omega * r_x
 
     _, z, _, u, v, omega = run.y.T[:6]
     energy = 0.5 * m * (u**2 + v**2) + 0.5 * BLOCK.I_c * omega**2 + m * G * z
