@@ -12,7 +12,8 @@ acts in one or more of these ways, each a member that it overrides:
 - `freedoms(system)`: further freedoms: a system with a longer state in place of that of `rocking.composed`;
 - `base_motion(motion, span, g)`: what the base really does;
 - `reading(theta)`: what the rotation sensor says;
-- `recorded(theta, seen)`: what it says from sample to sample, where that depends on more than the rotation of the time.
+- `recorded(theta, seen)`: what it says from sample to sample, where that depends on more than the rotation of the time;
+- `moments(time)`: when what it says at these times happened.
 
 Source   each effect names its own.
 Status   `rocking.effects` finds effects and puts them together.
@@ -38,10 +39,10 @@ if TYPE_CHECKING:
     from rocking.method2 import Method2
     from rocking.motion import BaseMotion
 
-WAYS = ("acceleration", "restitution", "form", "modes", "freedoms", "base_motion", "reading", "recorded")
+WAYS = ("acceleration", "restitution", "form", "modes", "freedoms", "base_motion", "reading", "recorded", "moments")
 """The members by which an effect may act."""
 
-OF_THE_SENSOR = frozenset({"reading", "recorded"})
+OF_THE_SENSOR = frozenset({"reading", "recorded", "moments"})
 """Those of them that leave the block alone."""
 
 
@@ -141,6 +142,13 @@ class Effect:
         """A system with the effect's freedoms besides; an effect that has none is not asked."""
         raise ValueError(f"{self.name}: it acts in the ways {sorted(self.ways())}, without further freedoms")
 
+    def slipping(self, friction: float) -> Effect | None:
+        """Itself with corners that slip at this friction [1], which `sliding` beside it says; None where none do.
+
+        Then `sliding` has modes of its own.
+        """
+        return None
+
     def base_motion(self, motion: BaseMotion, span: tuple[float, float], g: float) -> BaseMotion:
         """What the base really does, over the span [s]."""
         return motion
@@ -152,3 +160,7 @@ class Effect:
     def recorded(self, theta: NDArray[np.float64], seen: Seen) -> NDArray[np.float64]:
         """What the rotation sensor says [rad] sample by sample, shape (time,), from a peak or a rest on."""
         return np.asarray(self.reading(theta))
+
+    def moments(self, time: NDArray[np.float64]) -> NDArray[np.float64]:
+        """When what is read at these times since the record began [s] happened, 0 or more, shape (time,)."""
+        return time

@@ -148,11 +148,20 @@ def _reading(m: _Motion, g: float, position: tuple[float, float], direction: tup
 
 
 def rotation_sensor(trajectory: Trajectory) -> Array:
-    """Reading [rad] of the rotation sensor at the samples, shape (time,): theta with the effects on the sensor."""
+    """Reading [rad] of the rotation sensor at the samples, shape (time,): theta with the effects on the sensor.
+
+    Where the recorder has a clock of its own the rotation between two samples is a cubic through them with their
+    angular velocities; NaN after the last one.
+    """
     from rocking.altered import shaking
-    from rocking.effects import recorded_rotation
+    from rocking.effects import read_at, recorded_rotation
 
     motion = shaking(trajectory.motion)
     there = base_at(np, motion, trajectory.t, np.asarray(motion.parameters))
     seen = Seen(trajectory.t - trajectory.t_start, there.a_x + np.zeros(trajectory.t.size))
-    return np.asarray(recorded_rotation(trajectory.theta, trajectory.effects, seen))
+    theta, moments = trajectory.theta, read_at(seen.time, trajectory.effects)
+    if moments is not seen.time:
+        from scipy.interpolate import CubicHermiteSpline
+
+        theta = CubicHermiteSpline(seen.time, theta, trajectory.omega, extrapolate=False)(moments)
+    return np.asarray(recorded_rotation(theta, trajectory.effects, seen))

@@ -131,11 +131,30 @@ def compose(system: System, effects: Sequence[Effect]) -> System:
         raise ValueError(f"{acting[0].name}: {type(system).__name__} does not carry it, want a Method1 or a Method2")
     if isinstance(system, Method1) and system.form != "nonlinear":
         raise ValueError(f"{acting[0].name}: the linear Method 1 does not carry it, want form='nonlinear'")
+    acting = _slipping(acting)
     form = system.shape if isinstance(system, Method2) else Form.of(system.block)
     for effect in acting:
         form = effect.form(form, system.block)
     modes = any("modes" in e.ways_used() for e in acting)
     return (_under_method2 if modes or isinstance(system, Method2) else _under_method1)(system, form, acting)
+
+
+def _slipping(effects: Sequence[Effect]) -> list[Effect]:
+    """The effects; where corners of one slip by themselves, it has taken the friction that sliding says."""
+    sliding: Any = next((e for e in effects if e.name == "sliding"), None)
+    if sliding is None:
+        return list(effects)
+    for floor in effects:
+        taken = floor.slipping(sliding.friction)
+        if taken is None:
+            continue
+        if sliding.ratio_kept:
+            raise ValueError(
+                f"sliding.ratio_kept={sliding.ratio_kept!r}: want 0 beside {floor.name}, of whose contacts it follows "
+                "what an impact keeps"
+            )
+        return [taken if e is floor else e for e in effects if e is not sliding]
+    return list(effects)
 
 
 def _under_method2(method: Any, form: Any, effects: Sequence[Effect]) -> System:
@@ -217,6 +236,13 @@ def base_with(motion: BaseMotion, effects: Sequence[Effect], span: tuple[float, 
     for effect in sorted(effects, key=lambda e: e.rank):
         motion = effect.base_motion(motion, span, g)
     return motion
+
+
+def read_at(time: Any, effects: Sequence[Effect]) -> Any:
+    """When what the rotation sensor says at these times since its record began [s] happened, shape (time,)."""
+    for effect in sorted(effects, key=lambda e: e.rank, reverse=True):
+        time = effect.moments(time)
+    return time
 
 
 def rotation_reading(theta: Any, effects: Sequence[Effect]) -> Any:

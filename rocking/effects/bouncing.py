@@ -19,7 +19,7 @@ Limits      at an instant those of Method 2: impacts are frictional (Chatterjee 
             follows: near Housner's, and the lower the more the corner bounces; with `stops` they are kinematic, e
             stays nearer to Housner's, and e_n is no more than lets no energy be made (0.8 of a rectangle).  No effect
             that changes restitution goes with it then.  With f it goes with effects on form and flow, and not with
-            sliding, rounded_edges, base_adhesion or compliant_base
+            rounded_edges, base_adhesion or compliant_base; sliding says the friction of its corners
 Source      Ishiyama (1982); Lipscombe & Pellegrino (1993) for bouncing of short blocks; `rocking.method2`.  The
             dashpot leaves e_n of a speed within half a period, xi = -ln e_n / sqrt(pi^2 + ln^2 e_n); a contact that
             does not pull ends earlier and leaves somewhat more (Schwager & Poeschel 2007, Granular Matter 9, 465-469)
@@ -77,6 +77,18 @@ class Bouncing(Effect):
     def ways_used(self) -> frozenset[str]:
         """Further freedoms where contacts last, other modes where impacts happen at an instant."""
         return frozenset({"modes" if self.contact_frequency == math.inf else "freedoms"})
+
+    def slipping(self, friction: float) -> Bouncing | None:
+        """The same with this friction of its corners, where contacts last; None where they do not.
+
+        Raises:
+            ValueError: it has a friction.
+        """
+        if self.contact_frequency == math.inf:
+            return None
+        if self.friction < math.inf:
+            raise ValueError(f"sliding.friction={friction!r}: bouncing.friction={self.friction!r} says it too")
+        return replace(self, friction=friction)
 
     def freedoms(self, system: ComposedMethod1) -> System:
         """The block on a spring and a dashpot under each corner.

@@ -12,7 +12,7 @@ Parameters  corner_stiffness k [N/m], infinite (rigid) where it is absent; dampi
             where it limits spring and dashpot in series
 Use when    the block stands on rubber, soil or a soft table, or rattles audibly
 Limits      on a bed the corners alone are held along the floor, by the friction of the whole bed; not together with
-            rounded_edges or sliding
+            rounded_edges.  Beside sliding its friction is that of the corners
 Source      Psycharis & Jennings (1983), Earthquake Eng. Struct. Dyn. 11, 57-76
 Status      see `rocking.soft_floor`, `rocking.spring_slider` and `rocking.downward_floor`
 """
@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from rocking.composed import ComposedMethod1
@@ -61,6 +61,18 @@ class CompliantBase(Effect):
         "spring_slider": (0.0, 2.0),
     }
     unbounded: ClassVar[frozenset[str]] = frozenset({"tangential_ratio"})
+
+    def slipping(self, friction: float) -> CompliantBase | None:
+        """The floor with this friction of its corners; None where it is rigid.
+
+        Raises:
+            ValueError: it has a friction.
+        """
+        if self.corner_stiffness == math.inf:
+            return None
+        if self.friction < math.inf:
+            raise ValueError(f"sliding.friction={friction!r}: compliant_base.friction={self.friction!r} says it too")
+        return replace(self, friction=friction)
 
     def freedoms(self, system: ComposedMethod1) -> System:
         """The block on springs; the rigid one if they are infinitely stiff.

@@ -1,6 +1,7 @@
 """Sliding: friction gives way.
 
-Changes     the modes: Method 2 (Ishiyama's six) in place of Method 1
+Changes     the modes: Method 2 (Ishiyama's six) in place of Method 1.  On a floor that gives, or beside a bounce that
+            lasts, it is the friction of the corners there, and nothing else (`rocking.soft_floor`)
 Parameters  friction mu [1], static and kinetic; no slip at any load (infinite) where it is absent; ratio_kept [1],
             what an impact keeps of the ratio of angular velocities where the base slides; beside bouncing nothing
 Use when    the base acceleration comes near mu g, or the block is stocky

@@ -20,7 +20,19 @@ from studies.loop.learned_in_time import amplification, answer, by_parameters, l
 from studies.loop.models.model import DRIFT, FADING, LoopModel
 from studies.loop.observed.windows import struck_before
 from studies.loop.records.preparing import Setup
-from studies.loop.swings.learning import BASE, COUPLING, CURVE, HYSTERESIS, LOSS, MEMORY, MODE, READING, RUBBING, TERM
+from studies.loop.swings.learning import (
+    BASE,
+    COUPLING,
+    CURVE,
+    HYSTERESIS,
+    LOSS,
+    MEMORY,
+    MODE,
+    READING,
+    RUBBING,
+    TERM,
+    TIMING,
+)
 from studies.loop.whole.settling import Settled
 
 Array = NDArray[np.float64]
@@ -103,6 +115,11 @@ PARTS = {
         "Reading against time", "What is added to the reading as a record goes on.",
         "time since the record began [s]", "added to the reading [rad]", {"drift": lambda x: np.maximum(x, 0.0)},
         READING,
+    ),
+    "clock": _Part(
+        "Clock of the rotation's recorder", "How late a reading is: when it is said to be, less when it was.",
+        "time since the record began [s]", "late by [s]",
+        {"pace": lambda x: -np.maximum(x, 0.0), "lag": lambda x: np.where(x < 0.0, 0.0, 1.0)}, TIMING,
     ),
     "shaken": _Part(
         "Reading against base acceleration", "What is added to the reading while the base is accelerated.",
@@ -323,7 +340,7 @@ def _reach(setup: Setup, key: str) -> float:
     rotation = max(float(np.nanmax(np.abs(record.rotation))) for record in setup.records)
     if key in ("rotation", "structural", "reading"):
         return rotation
-    if key == "time":
+    if key in ("time", "clock"):
         return max(float(record.time[-1] - record.time[0]) for record in setup.records)
     if key in ("base", "shaken", "struck"):
         bases = [t.base_x for t in setup.campaign.tests if t.base_x is not None]

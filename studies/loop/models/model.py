@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rocking import G_STANDARD, Block, Method1
 from rocking.effect import AT_THE_START, Effect, Seen
-from rocking.effects import base_with, compose, load, recorded_rotation, rotation_reading
+from rocking.effects import base_with, compose, load, read_at, recorded_rotation, rotation_reading
 from rocking.hybrid import System
 from rocking.motion import BaseMotion
 from studies.campaigns import Channel, DeclaredBlock
@@ -122,6 +122,15 @@ class LoopModel:
     def remembers(self) -> bool:
         """Whether what the rotation sensor says depends on more than the rotation of the time."""
         return any("recorded" in part.ways() for part in self.parts)
+
+    @cached_property
+    def timed(self) -> bool:
+        """Whether the recorder of the rotation has a clock of its own."""
+        return any("moments" in part.ways() for part in self.parts)
+
+    def moments(self, time: NDArray[np.float64]) -> NDArray[np.float64]:
+        """When what the rotation sensor says at these times since its record began [s] happened, shape (time,)."""
+        return np.asarray(read_at(time, self.parts), dtype=np.float64)
 
     def at_peak(self, theta: float) -> float:
         """What the rotation sensor says [rad] of a block that has just come to that rotation [rad] from upright."""

@@ -299,7 +299,22 @@ class Simulator:
             ValueError: a model's effects do not go together or are out of range.
         """
         models, jobs = self._by_test(models, jobs)
+        jobs = [self._when(models[job.model], job) for job in jobs]
         return self._run(models, jobs, self._carried(models, jobs))
+
+    def _when(self, model: LoopModel, job: Job) -> Job:
+        """The job with its times as they were, where the recorder of the rotation has a clock of its own."""
+        if not model.timed:
+            return job
+        first, last = self.spans[job.test]
+
+        def at(times: Array) -> Array:
+            return first + np.minimum(model.moments(times - first), last - first)
+
+        history = [peak.time for peak in job.history]
+        start, *before = at(np.array([job.start, *history])).tolist()
+        peaks = tuple(peak._replace(time=time) for peak, time in zip(job.history, before, strict=True))
+        return replace(job, times=at(job.times), start=start, history=peaks)
 
     def _carried(self, models: Sequence[LoopModel], jobs: Sequence[Job]) -> list[dict[str, Any]]:
         """What a rotation does not show of the state at the start of each job: slip and height of the corner, impacts.

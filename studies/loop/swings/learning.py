@@ -3,7 +3,8 @@
 Each coefficient of `rocking.effects.learned_term`, a drift of restitution from test to test, the curves of
 `rocking.effects.learned_curve`, `rocking.effects.learned_damping` and `rocking.effects.learned_friction`, the
 restitution with a memory of `rocking.effects.learned_memory`, what is off in a rotation sensor of
-`rocking.effects.learned_reading`, the plate of `rocking.effects.learned_base`, what a base sensor loses of
+`rocking.effects.learned_reading` and its clock of `rocking.effects.learned_timing`, the plate of
+`rocking.effects.learned_base`, what a base sensor loses of
 `rocking.effects.learned_coupling`, the mass inside of `rocking.effects.learned_mode` and the torque that lags of
 `rocking.effects.learned_hysteresis` are parameters whose default is nothing, fitted with the same machinery as the
 effects. The greedy search stops when the next one does not lower the residual by `LEAST_GAIN`, nor most of what is
@@ -67,9 +68,9 @@ LITTLE = 0.2
 HOPELESS = 1
 """Coefficients after which half of what is to be reached has to be."""
 
-TERM, CURVE, LOSS, RUBBING, MEMORY, READING, BASE, COUPLING, MODE, HYSTERESIS = LEARNED = (
+TERM, CURVE, LOSS, RUBBING, MEMORY, READING, TIMING, BASE, COUPLING, MODE, HYSTERESIS = LEARNED = (
     "learned_term", "learned_curve", "learned_damping", "learned_friction", "learned_memory", "learned_reading",
-    "learned_base", "learned_coupling", "learned_mode", "learned_hysteresis",
+    "learned_timing", "learned_base", "learned_coupling", "learned_mode", "learned_hysteresis",
 )  # fmt: skip
 """Effects that say how a residual looks and not what it comes from."""
 
@@ -273,7 +274,8 @@ def memories(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
 
 
 def between(simulator: Simulator, windows: Sequence[Window]) -> tuple[Candidate, ...]:
-    """Something between the shaking and its record, where a base was shaken: a plate that gives, a coupled sensor."""
+    """Something between the shaking and its record, where a base was shaken: a plate that gives, a coupled sensor, or
+    another clock than that of the rotation's record."""
     if not any(simulator.tests[test].kind == "forced" for test in {w.test for w in windows}):
         return ()
     frequency, damping = f"{BASE}.frequency", f"{BASE}.damping_ratio"
@@ -281,7 +283,14 @@ def between(simulator: Simulator, windows: Sequence[Window]) -> tuple[Candidate,
     starts = tuple({frequency: f, damping: share} for f in PLATES for share in (0.05, 0.5))
     plate = Candidate("learned[plate]", BASE, own, starts, {}, smooth=False, screened=PLATES_FITTED)
     corner = Parameter(f"{COUPLING}.corner_frequency", 0.02, 0.0, 10.0)
-    return plate, Candidate("learned[coupled base sensor]", COUPLING, (corner,), (), {})
+    clock = Parameter(f"{TIMING}.pace", 0.001, -0.1, 0.1), Parameter(f"{TIMING}.lag", 0.001, -0.2, 0.2)
+    clocks = (
+        Candidate(name, TIMING, own, (), {})
+        for name, own in (("learned[clock]", clock[:1]), ("learned[clock, late]", clock))
+    )
+    read = not any(w.accelerometers for w in windows)
+    coupled = Candidate("learned[coupled base sensor]", COUPLING, (corner,), (), {})
+    return plate, coupled, *(clocks if read else ())
 
 
 def inner(block: DeclaredBlock, released: bool) -> tuple[Candidate, ...]:

@@ -85,7 +85,6 @@ def test_what_it_goes_together_with():
         ("rounded_edges.radius=0.01", "it does not go together with rounded_edges"),
         ("base_adhesion.moment=1.0", "it does not go together with base_adhesion"),
         ("compliant_base.corner_stiffness=1e7", "it does not go together with"),
-        ("sliding.friction=0.5", "Method 2, which sliding asks for, does not carry it"),
     ]:
         with pytest.raises(ValueError, match=said):
             compose(METHOD, [contact(0.5), *parse([other])])
@@ -94,6 +93,8 @@ def test_what_it_goes_together_with():
 def test_bad_numbers_are_named():
     with pytest.raises(ValueError, match=r"bouncing\.friction=0\.0: want more than 0 beside bouncing\.contact"):
         compose(METHOD, parse(["bouncing.friction=0", "bouncing.contact_frequency=250"]))
+    with pytest.raises(ValueError, match=r"sliding\.friction=0\.4: bouncing\.friction=0\.5 says it too"):
+        compose(METHOD, parse(["sliding.friction=0.4", "bouncing.friction=0.5", "bouncing.contact_frequency=250"]))
     with pytest.raises(ValueError, match=r"bouncing\.normal_restitution=1\.0: want less than 1 beside"):
         compose(METHOD, [load("bouncing")(normal_restitution=1.0, friction=0.5, contact_frequency=250.0)])
     with pytest.raises(ValueError, match=r"bouncing\.contact_frequency=-1\.0 Hz: want 0 to inf"):

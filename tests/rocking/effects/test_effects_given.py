@@ -148,8 +148,16 @@ def test_every_block_carries_what_acts_on_base_and_sensors(shaken: Any, name: st
     ("texts", "message"),
     [
         (
-            ("sliding.friction=0.5", "compliant_base.corner_stiffness=1e6"),
+            ("sliding.friction=0.5", "compliant_base.damping_ratio=0.1"),
             "compliant_base: Method 2, which sliding asks for, does",
+        ),
+        (
+            ("sliding.friction=0.5", "compliant_base.corner_stiffness=1e6", "compliant_base.friction=0.4"),
+            r"sliding.friction=0.5: compliant_base.friction=0.4 says it too",
+        ),
+        (
+            ("compliant_base.corner_stiffness=1e6", "sliding.friction=0.5", "sliding.ratio_kept=0.2"),
+            r"sliding.ratio_kept=0.2: want 0 beside compliant_base, of whose contacts",
         ),
         (
             ("learned_mode.mass_ratio=0.1", "bouncing.friction=0.5"),

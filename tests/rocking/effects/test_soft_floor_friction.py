@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import simpson
 
 import dem
-from rocking import Block, Method1, Mode
+from rocking import Block, Method1, Mode, solve
 from rocking.effects import compose, parse
 
 from .springs import BLOCK, feet, on_springs
@@ -24,6 +24,27 @@ def test_a_floor_pushed_harder_than_friction_holds_slips_away_under_the_block(si
     run = on_springs(2e6, 0.3, mu, motion=constant(side * a), t_end=0.6, save_at=[0.4, 0.6], rtol=1e-10, atol=1e-13)
     assert np.all(run.mode == Mode.REST)
     assert run.y[1, 3] - run.y[0, 3] == pytest.approx(-side * (a - mu * G) * 0.2, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "floor",
+    [
+        ["compliant_base.corner_stiffness=2e6", "compliant_base.damping_ratio=0.3"],
+        ["bouncing.normal_restitution=0.3", "bouncing.contact_frequency=150"],
+    ],
+)
+def test_sliding_beside_a_floor_that_gives_is_the_friction_of_its_corners(floor: list[str], constant: Any) -> None:
+    """x'' = -(a - mu g), and the same run as of a floor that has the friction itself, however effects are ordered."""
+    mu, a = 0.12, 0.2 * G
+    own = [*floor, f"{floor[0].partition('.')[0]}.friction={mu}"]
+    given: Any = {"t_end": 0.6, "save_at": [0.4, 0.6], "rtol": 1e-10, "atol": 1e-13}
+    runs = [
+        solve(Method1(BLOCK), constant(a), effects=parse(texts), **given)
+        for texts in ([*floor, f"sliding.friction={mu}"], [f"sliding.friction={mu}", *floor], own)
+    ]
+    assert runs[0].y[1, 3] - runs[0].y[0, 3] == pytest.approx(-(a - mu * G) * 0.2, rel=1e-6)
+    for run in runs[1:]:
+        np.testing.assert_array_equal(run.y, runs[0].y)
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

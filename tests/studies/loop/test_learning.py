@@ -201,11 +201,12 @@ def shaken(
     felt: Callable[[np.ndarray], np.ndarray],
     pushes: Sequence[tuple[float, float]],
     world: World = IDEAL,
+    stamped: Callable[[np.ndarray], np.ndarray] = lambda rotation: rotation,
 ) -> Trial:
     """What is learned of shaken tests, each of a frequency [Hz] and an amplitude [m/s^2].
 
     added: what the sensor adds as the base is accelerated [rad, m/s^2]; felt: what the block feels of the acceleration
-    that is recorded [m/s^2].
+    that is recorded [m/s^2]; stamped: the rotation at the times that a recorder says.
     """
     rng, tests, time = np.random.default_rng(2), [], STEP * np.arange(2501)
     channels = (Channel("base", "base_acceleration_x", 1e-3), Channel("rotation", "rotation", NOISE))
@@ -214,7 +215,9 @@ def shaken(
         zero = np.zeros(time.size)
         floor = table.pieces(STEP, felt(push), zero, (zero, zero, zero))
         read = (
-            event.simulate(world, floor, STEP, 1, 0.0).rotation + added(push) + NOISE * rng.standard_normal(time.size)
+            stamped(event.simulate(world, floor, STEP, 1, 0.0).rotation)
+            + added(push)
+            + NOISE * rng.standard_normal(time.size)
         )
         assert np.nanmax(np.abs(read)) < 0.25
         tests.append(Test(f"forced-{k}", "forced", time, channels, {"base": push, "rotation": read}))
@@ -224,6 +227,19 @@ def shaken(
     plain = baseline(simulator, LoopModel(DECLARED, E, {}, G), windows)
     assert plain.swing.rms > 1.3
     return learn(simulator, plain, lambda text: None)
+
+
+@pytest.mark.slow
+def test_a_clock_that_is_fast_is_learned() -> None:
+    """A recorder of the rotation that counts 1.004 s for each second of the base: what it stamps t was at 0.996 t."""
+    time = STEP * np.arange(2501)
+
+    found = shaken(
+        lambda push: 0.0 * push, lambda push: push, ((2.0, 4.0), (3.0, 8.0)),
+        stamped=lambda rotation: np.interp(time / 1.004, time, rotation),
+    )  # fmt: skip
+    assert found.names == ("learned[clock]",)
+    assert found.swing.model.get("learned_timing.pace") == pytest.approx(1.0 / 1.004 - 1.0, rel=0.03)
 
 
 @pytest.mark.slow
