@@ -172,7 +172,7 @@ def _longest(simulator: Simulator, model: LoopModel, records: Sequence[Record]) 
     """The longest stretches of all records on one side, but for those in which a block lies there."""
     found = [
         (record, part) for record in records if record.sides is not None for part in _stretches(record.sides)
-        if part.side != 0 and record.time[_inner(part, record)].size >= LEAST and _is_a_swing(model, record, part)
+        if part.side != 0 and _read(part, record) >= LEAST and _is_a_swing(model, record, part)
     ]  # fmt: skip
     longest = sorted(found, key=lambda one: one[1].start - one[1].stop)[:FEW]
     return _windows(simulator, model, longest)
@@ -252,10 +252,14 @@ def _with_changes(record: Record, changes: Sequence[tuple[Stretch, float]], step
     """
     size = record.time.size
     crossing, sd = np.full(size, np.nan), np.ones(size)
+    seen = np.flatnonzero(np.isfinite(record.recorded).any(axis=0))
     for part, speed in changes:
-        # The impact falls anywhere between the last sample of one side and the first of the other.
-        crossing[part.start] = part.side * 0.5 * abs(speed) * step
-        sd[part.start] = max(abs(speed) * step / math.sqrt(12.0), 0.1 * record.noise)
+        # The impact falls anywhere between the last sample of one side and the first of the other that are there.
+        after = int(np.searchsorted(seen, part.start))
+        first = int(seen[after]) if after < seen.size else part.start
+        unseen = float(record.time[first] - record.time[seen[after - 1]]) if after else step
+        crossing[first] = part.side * 0.5 * abs(speed) * unseen
+        sd[first] = max(abs(speed) * unseen / math.sqrt(12.0), 0.1 * record.noise)
     return replace(
         record, channels=(*record.channels, SIDE), recorded=np.vstack([record.recorded, crossing]),
         observed=np.vstack([record.observed, crossing]), noises=np.vstack([record.noises, sd]),
@@ -362,7 +366,7 @@ def _rotation(
     for part in parts:
         if part.side == 0:
             rotation[part.start : part.stop] = 0.0
-    where = [part for part in parts if part.side != 0 and record.time[_inner(part, record)].size >= LEAST]
+    where = [part for part in parts if part.side != 0 and _read(part, record) >= LEAST]
     if not where:
         return rotation, [], record.time.size
     windows = _windows(simulator, model, [(record, part) for part in where])
@@ -426,6 +430,11 @@ def _inner(part: Stretch, record: Record) -> slice:
     first = part.start + (NEAR_IMPACT if part.start > 0 else 0)
     last = part.stop - (NEAR_IMPACT if part.stop < record.time.size else 0)
     return slice(first, max(first, last))
+
+
+def _read(part: Stretch, record: Record) -> int:
+    """How many of these were read."""
+    return int(np.count_nonzero(np.isfinite(record.observed[:, _inner(part, record)]).any(axis=0)))
 
 
 def _windows(simulator: Simulator, model: LoopModel, parts: Sequence[tuple[Record, Stretch]]) -> list[Window]:
