@@ -49,6 +49,7 @@ class Candidate:
     minima_in: str = ""  # a parameter in which whole records have minima beside each other
     assumed: Mapping[str, float] = field(default_factory=dict)  # of those that stay: other values that may be as right
     otherwise: tuple[Mapping[str, float], ...] = ()  # of those that stay: other laws of the same thing
+    also: tuple[str, ...] = ()  # further effects that it is at once
 
     def nothing(self, block: DeclaredBlock) -> dict[str, float]:
         """Its own parameters at their absent values: what adds nothing where the effect is there in another form."""
@@ -62,7 +63,10 @@ class Candidate:
         values = load(self.effect).absent(_block(block))
         if self.effect == "mass_distribution":  # what is declared is there without it
             values = {"height": block.centre_height, "inertia": block.I_c}
-        return {f"{self.effect}.{name}": value for name, value in values.items()} | dict(self.fixed)
+        every = {self.effect: values} | {name: load(name).absent(_block(block)) for name in self.also}
+        return {f"{effect}.{name}": value for effect, own in every.items() for name, value in own.items()} | dict(
+            self.fixed
+        )
 
 
 def _block(declared: DeclaredBlock):  # type: ignore[no-untyped-def]
@@ -172,6 +176,26 @@ def with_friction(floor: Candidate, block: DeclaredBlock) -> Candidate:
     return replace(
         floor, parameters=(*floor.parameters, friction), starts=tuple({**start, name: taken} for start in floor.starts),
         fixed={key: value for key, value in floor.fixed.items() if key != name}, assumed={},
+    )  # fmt: skip
+
+
+SLIDES_BELOW = 1.5
+"""Friction over b/h up to which a block on a floor that gives is said to slide, where it tells."""
+
+
+def sliding_on(floor: Candidate) -> Candidate:
+    """A floor whose friction is fitted, and under which that is called sliding."""
+    own = f"{floor.effect}.friction"
+    label, _, form = floor.name.partition("[")
+    name = f"{label}[{form.rstrip(']')}, sliding]" if form else f"{label}[sliding]"
+
+    def renamed(full: str) -> str:
+        return "sliding.friction" if full == own else full
+
+    return replace(
+        floor, name=name, parameters=tuple(replace(p, name=renamed(p.name)) for p in floor.parameters),
+        starts=tuple({renamed(full): value for full, value in start.items()} for start in floor.starts),
+        fixed={**floor.fixed, "sliding.ratio_kept": 0.0}, also=("sliding",),
     )  # fmt: skip
 
 

@@ -19,7 +19,7 @@ from studies.loop.fits.fitting import Fit
 from studies.loop.models.candidates import Candidate
 from studies.loop.models.names import readable
 from studies.loop.records.preparing import Setup
-from studies.loop.search.revising import set_aside
+from studies.loop.search.revising import set_aside, taken_out
 from studies.loop.search.rounds import Path, Tell, followed, nothing_of_swings, same, searched, stands_alone
 from studies.loop.swings.learning import MOST_ALIKE, by_itself, inner, open_to, profiles, terms
 from studies.loop.swings.tracing import LEADS, all_candidates, floor_promises, search
@@ -83,6 +83,9 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     if floor is not None and (_enough_alone(setup, floor) or stands_alone(setup, floor.last, floor.whole)):
         return floor
     first = floor or followed(setup, begin, pool, tell, later=True, begun=[opening], most=1)
+    slid = _floor_that_slides(setup, begin, opening, first, tell) if floor is None else None
+    if slid is not None:
+        return slid
     if not explains(setup, first.last, first.whole):
         if term is None and _nothing_is_left_of_swings(setup, opening):
             term = _coefficient(setup, plain, tell)
@@ -189,6 +192,19 @@ def _floor_first(
     return path if leads or _enough_alone(setup, path) else None
 
 
+def _floor_that_slides(setup: Setup, begin: Path, opening: Round, first: Path, tell: Tell) -> Path | None:
+    """The path to a floor that gives, where a block that slips is what explains most and misses whole records.
+
+    Of such a block swings say little, whole records do.
+    """
+    if not slips(first.last) or not tell_of_floors(setup) or _met_from_some_start(setup, first):
+        return None
+    found = _floor_of_releases(setup, begin, opening, tell)
+    if found is None or not explains_more(setup, found.whole, first.whole):
+        return None
+    return found if stands_alone(setup, found.last, found.whole) else None
+
+
 def _floor_of_releases(setup: Setup, begin: Path, opening: Round, tell: Tell) -> Path | None:
     """The path to a floor that meets all releases, if it serves whole records by far better than what there was.
 
@@ -252,7 +268,19 @@ def _term_beside(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial | 
     if found is None or not explains_more(setup, found[1], path.whole):
         return None
     alone = search(setup.simulator, plain, [best.parts[-1]], tell).best
-    return alone if alone is not None and not pays(alone.swing, best.swing) else found[0]
+    return alone if alone is not None and not pays(alone.swing, best.swing) else _needed(setup, plain, *found)
+
+
+def _needed(setup: Setup, plain: Trial, trial: Trial, whole: Fit) -> Trial:
+    """A trial without those of its names that what was added last does not need: swings and whole records say so."""
+    for k in reversed(range(len(trial.parts) - 1)):
+        less = taken_out(setup, plain, trial, k)
+        if pays(less.swing, trial.swing):
+            continue
+        without = whole_fit(setup, less, whole)
+        if not explains_more(setup, whole, without):
+            trial, whole = less, without
+    return trial
 
 
 def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial | None:

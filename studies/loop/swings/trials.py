@@ -39,7 +39,7 @@ class Trial:
     @property
     def effects(self) -> tuple[str, ...]:
         """Names of the effects."""
-        return tuple(part.effect for part in self.parts)
+        return tuple(effect for part in self.parts for effect in (part.effect, *part.also))
 
     @property
     def costly(self) -> bool:

@@ -17,14 +17,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from studies.loop.fits.fitting import Fit, fit, fit_records
-from studies.loop.models.candidates import Candidate, no_harder, with_friction
+from studies.loop.models.candidates import SLIDES_BELOW, Candidate, no_harder, sliding_on, with_friction
 from studies.loop.models.model import LoopModel
 from studies.loop.observed.windows import Window
 from studies.loop.records.preparing import Setup
-from studies.loop.swings.trials import PAYS, Trial
+from studies.loop.swings.trials import LEAST_GAIN, PAYS, Trial
 from studies.loop.whole.floors_that_give import SAME
-from studies.loop.whole.remaining import STRUCTURE
-from studies.loop.whole.whole_fits import FEWEST_SAMPLES, all_at_once, weighed_under
+from studies.loop.whole.remaining import STRUCTURE, declared_noise
+from studies.loop.whole.whole_fits import FEWEST_SAMPLES, all_at_once, gain, weighed_under
 from studies.loop.whole.whole_records import MISSED
 
 FIRST, THEN = (1, 2, 4, 8), (16,)
@@ -44,10 +44,22 @@ NEAR, ENOUGH_NEAR = 3.0, 4
 enough as well.  With other friction, or by another law of slip, it may be met."""
 
 FAR_OFF = 15.0
-"""The same from which a fit goes no further."""
+"""The same of several swings from which a fit goes no further."""
 
-SLIDES, FRICTIONS = 1.01, 12
-"""Friction over b/h from which one is tried with shaken records, and how many up to that which was taken."""
+BY_CHANCE = 4.0
+"""Standard deviations of noise alone up to which one swing of each release has to be met: its friction and its law of
+slip tell in those that follow."""
+
+SLIDES, FRICTIONS = 0.01, 16
+"""Share of b/h by which friction is over that where one is tried with shaken records first, and how many up to what
+was taken, by equal shares of that: near b/h a hundredth decides whether a block slides or rocks."""
+
+AS_HARD_ALONG, HELD = 1.0, 3.0
+"""Stiffness along the floor over that into it [1] of a floor of which releases do not tell it, and what is far from
+that: the harder it is, the longer runs take."""
+
+HARDEST_ALONG = 10.0
+"""The same up to which it is fitted to releases; beyond, the corners are all but held."""
 
 FEWEST = 2
 """Releases from which a floor is told."""
@@ -126,7 +138,7 @@ def _told(setup: Setup, onto: Trial, floor: Candidate, releases: Sequence[Window
     declared = onto.swing.model.declared
     first = _first_swings(setup, releases, FIRST)
     further = [*_first_swings(setup, releases, THEN), list(releases)]
-    fixed, freed = no_harder(floor, declared), with_friction(floor, declared)
+    fixed, freed = (_no_harder_along(c) for c in (no_harder(floor, declared), with_friction(floor, declared)))
     starts = _best_starts(setup, onto, fixed, first[0])
     forms: list[tuple[Candidate, Mapping[str, float]]] = [(fixed, {})]
     if floor.otherwise:
@@ -138,11 +150,19 @@ def _told(setup: Setup, onto: Trial, floor: Candidate, releases: Sequence[Window
         best = min((f for f in carried if f is not None), key=lambda f: f.chi2, default=None)
         if best is not None:
             best = _preferred(setup, _by_every_law(setup, onto, best, found, freed, further))
+            best = _as_hard_along(setup, best, floor)
             slip = {name: best.model.get(name) for law in floor.otherwise for name in law}
-            return Told(replace(freed, fixed={**freed.fixed, **slip}, otherwise=()), best.model, best.windows)
+            candidate = with_friction(floor, declared)
+            return Told(replace(candidate, fixed={**candidate.fixed, **slip}, otherwise=()), best.model, best.windows)
         if k == 0:
             starts = near  # how corners slip is told by more than one swing
     return None
+
+
+def _no_harder_along(floor: Candidate) -> Candidate:
+    """A floor that is fitted no harder along itself than runs allow that many times."""
+    parameters = (replace(p, high=HARDEST_ALONG) if p.name == floor.minima_in else p for p in floor.parameters)
+    return replace(floor, parameters=tuple(parameters))
 
 
 def _by_every_law(
@@ -166,6 +186,17 @@ def _by_every_law(
         out += [min(own, key=lambda f: f.chi2)] if own else []
     least = min(other.chi2 for other in out)
     return [other for other in out if other.chi2 < least + PAYS]
+
+
+def _as_hard_along(setup: Setup, best: Fit, floor: Candidate) -> Fit:
+    """The fit of releases, or one of a floor as hard along itself as into itself that meets them as well."""
+    along = floor.minima_in
+    if not along or 1.0 / HELD < best.model.get(along) / AS_HARD_ALONG < HELD:
+        return best
+    held = best.model.changed({along: AS_HARD_ALONG})
+    others = [p for p in best.parameters if p.name != along]
+    found = fit(setup.simulator, held, others, best.windows, whole=True, iterations=8, central=True)
+    return replace(found, parameters=best.parameters) if found.chi2 < best.chi2 + PAYS else best
 
 
 def _preferred(setup: Setup, fits: Sequence[Fit]) -> Fit:
@@ -213,13 +244,20 @@ def _from_starts(
             model, windows = there.model, list(there.windows)
             if k == 0 and there.rms < NEAR:
                 near.append(there)
-            if there.rms > far_off:
+            if there.rms > (_of_noise(setup, there) if k == 0 else far_off):
                 break
-        if there.rms < MISSED:
-            found.append(there)
+        else:
+            found += [there] if there.rms < MISSED else []
         if len(found) == ENOUGH or len(near) == ENOUGH_NEAR:
             break
     return _of_each_minimum(floor, found), [f.model for f in sorted(near, key=lambda f: f.chi2)[:ENOUGH]]
+
+
+def _of_noise(setup: Setup, fitted: Fit) -> float:
+    """Rms over its noise that a floor may leave of one swing: more than that, and it is none, whatever follows."""
+    if not declared_noise(setup):
+        return MISSED
+    return max(STRUCTURE, 1.0 + BY_CHANCE / math.sqrt(2.0 * max(fitted.samples, 1)))
 
 
 def _as_far(windows: Sequence[Window], fitted: Sequence[Window]) -> list[Window]:
@@ -277,7 +315,10 @@ def _with_friction_of_shaken(setup: Setup, trial: Trial, model: LoopModel, windo
     as_it_is = fit(setup.simulator, model, [], weighed, whole=True, iterations=0)
     if friction is None or as_it_is.rms < MISSED:
         return model
-    values = np.geomspace(SLIDES * friction.low, model.get(friction.name), FRICTIONS, endpoint=False)
+    tips, taken = friction.low, model.get(friction.name)
+    if taken <= (1.0 + SLIDES) * tips:
+        return model
+    values = tips * (1.0 + np.geomspace(SLIDES, taken / tips - 1.0, FRICTIONS, endpoint=False))
     tried = [
         fit(setup.simulator, model.changed({friction.name: float(v)}), [], weighed, whole=True, iterations=0)
         for v in values
@@ -295,5 +336,23 @@ def _on_all_records(setup: Setup, onto: Trial, told: Told) -> tuple[Trial, Fit]:
     whole = all_at_once(setup, trial, leans)
     if not whole.converged:
         whole = all_at_once(setup, trial, whole)
+    trial, whole = _with_its_sliding(setup, onto, trial, whole)
     swing = fit(setup.simulator, whole.model, [], onto.swing.windows, iterations=3)
     return replace(trial, swing=swing), whole
+
+
+def _with_its_sliding(setup: Setup, onto: Trial, trial: Trial, whole: Fit) -> tuple[Trial, Fit]:
+    """The same, with sliding by its name where friction near b/h is what whole records are met by."""
+    floor = trial.parts[-1]
+    friction = next((p for p in floor.parameters if p.name == f"{floor.effect}.friction"), None)
+    if friction is None or whole.model.get(friction.name) > SLIDES_BELOW * friction.low:
+        return trial, whole
+    gripping = whole.model.changed({friction.name: floor.starts[0][friction.name]})
+    if gain(setup, fit_records(setup.simulator, gripping, [], whole.windows, iterations=4), whole) <= LEAST_GAIN:
+        return trial, whole
+    slides = sliding_on(floor)
+    effects = {name: dict(values) for name, values in whole.model.effects.items()}
+    effects["sliding"] = {"friction": effects[floor.effect].pop("friction"), "ratio_kept": 0.0}
+    named = onto.with_(slides, trial.swing)
+    parameters = tuple(replace(p, name="sliding.friction") if p == friction else p for p in whole.parameters)
+    return named, replace(whole, model=replace(whole.model, effects=effects), parameters=parameters)
