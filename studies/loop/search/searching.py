@@ -83,9 +83,9 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     if floor is not None and (_enough_alone(setup, floor) or stands_alone(setup, floor.last, floor.whole)):
         return floor
     first = floor or followed(setup, begin, pool, tell, later=True, begun=[opening], most=1)
-    slid = _floor_that_slides(setup, begin, opening, first, tell) if floor is None else None
-    if slid is not None:
-        return slid
+    meant = _floor_behind(setup, begin, opening, first, tell) if floor is None else None
+    if meant is not None:
+        return meant
     if not explains(setup, first.last, first.whole):
         if term is None and _nothing_is_left_of_swings(setup, opening):
             term = _coefficient(setup, plain, tell)
@@ -192,12 +192,14 @@ def _floor_first(
     return path if leads or _enough_alone(setup, path) else None
 
 
-def _floor_that_slides(setup: Setup, begin: Path, opening: Round, first: Path, tell: Tell) -> Path | None:
-    """The path to a floor that gives, where a block that slips is what explains most and misses whole records.
+def _floor_behind(setup: Setup, begin: Path, opening: Round, first: Path, tell: Tell) -> Path | None:
+    """The path to a floor that gives, where another effect explains swings in its place and misses whole records.
 
-    Of such a block swings say little, whole records do.
+    Of a block that slips swings say little, and a floor may look like a loss that depends on the speed; of what the
+    calibrated block leaves nothing in swings no floor is the reason.
     """
-    if not slips(first.last) or not tell_of_floors(setup) or _met_from_some_start(setup, first):
+    asked = NOT_OF_RELEASES in opening.skipped.values()
+    if asked or not tell_of_floors(setup) or nothing_of_swings(setup, begin.last) or met(setup, first.whole, MISSED):
         return None
     found = _floor_of_releases(setup, begin, opening, tell)
     if found is None or not explains_more(setup, found.whole, first.whole):

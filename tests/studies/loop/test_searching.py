@@ -498,12 +498,27 @@ def test_releases_are_asked_of_a_floor_on_top_of_the_first_effect(told):
     assert [t.names for t in found.trials] == [(), ("a",), ("a", "floor")]
 
 
-def test_a_floor_alone_is_asked_last_where_it_was_not_first(told):
-    """Swings that one effect explains say nothing of a soft floor; whole records that are missed still may."""
-    told.trials, told.nothing = {(): [path_of("a")]}, [("a",)]
+@pytest.mark.parametrize(
+    ("whole", "nothing", "better", "asked"),
+    [
+        # Springs of 10 MN/m, of which swings are met by another effect and whole records are not.
+        (1.4, [("a",)], True, [()]),
+        # As well as these meet whole records a floor is asked again when all else was.
+        (1.4, [("a",)], False, [(), ()]),
+        # What whole records are met by is not doubted, nor is a floor the reason of what the block leaves nothing of.
+        (1.29, [("a",)], True, [()]),
+        (1.4, [(), ("a",)], True, [()]),
+    ],
+)
+def test_a_floor_is_asked_where_another_effect_explains_swings_alone(told, monkeypatch, whole, nothing, better, asked):
+    told.trials, told.nothing, told.whole = {(): [path_of("a")]}, nothing, whole
     told.of_releases[()], told.alone = path_of("floor", costly=True), [("floor",)]
+    monkeypatch.setattr(searching, "explains_more", lambda setup, one, other: better and one.of == ("floor",))
     assert searched().last.names == ("floor",)
-    assert told.onto == [()]
+    assert told.onto == asked
+    at_once = whole > 1.3 and nothing == [("a",)] and better
+    # All else is gone through where it is asked last.
+    assert (len(told.rounds) < 2) is at_once
 
 
 def test_a_floor_that_explains_by_far_more_than_others_is_gone_on_from(springs, monkeypatch):
