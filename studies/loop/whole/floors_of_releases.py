@@ -241,6 +241,10 @@ def _from_starts(
         for k, more in enumerate(first):
             windows = _as_far(more, windows)
             there = fit(setup.simulator, model, parameters, windows, huber=math.inf, iterations=8, central=True)
+            if k == 0 and not there.converged and there.rms > _of_noise(setup, there):  # on its way, it may be
+                there = fit(
+                    setup.simulator, there.model, parameters, there.windows, huber=math.inf, iterations=8, central=True
+                )
             model, windows = there.model, list(there.windows)
             if k == 0 and there.rms < NEAR:
                 near.append(there)
