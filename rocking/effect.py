@@ -142,12 +142,12 @@ class Effect:
         """A system with the effect's freedoms besides; an effect that has none is not asked."""
         raise ValueError(f"{self.name}: it acts in the ways {sorted(self.ways())}, without further freedoms")
 
-    def slipping(self, friction: float) -> Effect | None:
-        """Itself with corners that slip at this friction [1], which `sliding` beside it says; None where none do.
+    def has_feet(self) -> bool:
+        """Whether it has corners, with these parameters, that slip by themselves, with a `friction` of its own.
 
-        Then `sliding` has modes of its own.
+        Beside it `sliding` says that friction, and has no modes of its own.
         """
-        return None
+        return False
 
     def base_motion(self, motion: BaseMotion, span: tuple[float, float], g: float) -> BaseMotion:
         """What the base really does, over the span [s]."""

@@ -151,7 +151,7 @@ def rotation_sensor(trajectory: Trajectory) -> Array:
     """Reading [rad] of the rotation sensor at the samples, shape (time,): theta with the effects on the sensor.
 
     Where the recorder has a clock of its own the rotation between two samples is a cubic through them with their
-    angular velocities; NaN after the last one.
+    angular velocities; NaN outside of them.
     """
     from rocking.altered import shaking
     from rocking.effects import read_at, recorded_rotation
@@ -163,5 +163,8 @@ def rotation_sensor(trajectory: Trajectory) -> Array:
     if moments is not seen.time:
         from scipy.interpolate import CubicHermiteSpline
 
-        theta = CubicHermiteSpline(seen.time, theta, trajectory.omega, extrapolate=False)(moments)
+        if theta.size < 2:  # nothing to interpolate
+            theta = np.where(moments == seen.time, theta, np.nan)
+        else:
+            theta = CubicHermiteSpline(seen.time, theta, trajectory.omega, extrapolate=False)(moments)
     return np.asarray(recorded_rotation(theta, trajectory.effects, seen))

@@ -15,6 +15,7 @@ The modules of this folder are the effects; another package adds its own by an e
 from __future__ import annotations
 
 import importlib
+import math
 import pkgutil
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -140,21 +141,24 @@ def compose(system: System, effects: Sequence[Effect]) -> System:
 
 
 def _slipping(effects: Sequence[Effect]) -> list[Effect]:
-    """The effects; where corners of one slip by themselves, it has taken the friction that sliding says."""
+    """The effects; where corners of one slip by themselves, it has taken the friction that sliding says.
+
+    Raises:
+        ValueError: it has a friction, or sliding says what is no matter of friction.
+    """
     sliding: Any = next((e for e in effects if e.name == "sliding"), None)
-    if sliding is None:
+    floor: Any = next((e for e in effects if e.has_feet()), None)
+    if sliding is None or floor is None:
         return list(effects)
-    for floor in effects:
-        taken = floor.slipping(sliding.friction)
-        if taken is None:
-            continue
-        if sliding.ratio_kept:
-            raise ValueError(
-                f"sliding.ratio_kept={sliding.ratio_kept!r}: want 0 beside {floor.name}, of whose contacts it follows "
-                "what an impact keeps"
-            )
-        return [taken if e is floor else e for e in effects if e is not sliding]
-    return list(effects)
+    if floor.friction < math.inf:
+        raise ValueError(f"sliding.friction={sliding.friction!r}: {floor.name}.friction={floor.friction!r} says it too")
+    if sliding.ratio_kept:
+        raise ValueError(
+            f"sliding.ratio_kept={sliding.ratio_kept!r}: want 0 beside {floor.name}, of whose contacts it follows what "
+            "an impact keeps"
+        )
+    taken = replace(floor, friction=sliding.friction)
+    return [taken if e is floor else e for e in effects if e is not sliding]
 
 
 def _under_method2(method: Any, form: Any, effects: Sequence[Effect]) -> System:

@@ -78,17 +78,9 @@ class Bouncing(Effect):
         """Further freedoms where contacts last, other modes where impacts happen at an instant."""
         return frozenset({"modes" if self.contact_frequency == math.inf else "freedoms"})
 
-    def slipping(self, friction: float) -> Bouncing | None:
-        """The same with this friction of its corners, where contacts last; None where they do not.
-
-        Raises:
-            ValueError: it has a friction.
-        """
-        if self.contact_frequency == math.inf:
-            return None
-        if self.friction < math.inf:
-            raise ValueError(f"sliding.friction={friction!r}: bouncing.friction={self.friction!r} says it too")
-        return replace(self, friction=friction)
+    def has_feet(self) -> bool:
+        """Where contacts last."""
+        return self.contact_frequency < math.inf
 
     def freedoms(self, system: ComposedMethod1) -> System:
         """The block on a spring and a dashpot under each corner.

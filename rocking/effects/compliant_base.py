@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 from rocking.composed import ComposedMethod1
@@ -62,17 +62,9 @@ class CompliantBase(Effect):
     }
     unbounded: ClassVar[frozenset[str]] = frozenset({"tangential_ratio"})
 
-    def slipping(self, friction: float) -> CompliantBase | None:
-        """The floor with this friction of its corners; None where it is rigid.
-
-        Raises:
-            ValueError: it has a friction.
-        """
-        if self.corner_stiffness == math.inf:
-            return None
-        if self.friction < math.inf:
-            raise ValueError(f"sliding.friction={friction!r}: compliant_base.friction={self.friction!r} says it too")
-        return replace(self, friction=friction)
+    def has_feet(self) -> bool:
+        """Where the floor gives."""
+        return self.corner_stiffness < math.inf
 
     def freedoms(self, system: ComposedMethod1) -> System:
         """The block on springs; the rigid one if they are infinitely stiff.

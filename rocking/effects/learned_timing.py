@@ -8,7 +8,7 @@ Use when    base and response were recorded by different devices, of which one c
 Limits      the same in all tests; what was read before the record of the base began shows the block as it was there.
             A lag tells from that of the base (`rocking.effects.base_motion_lag`) where a block is released alone
 Source      none: a clock that is a straight line of another
-Status      a decay that is read late and slow, by hand, and learned from it (tests)
+Status      by hand, against runs that are asked for those moments, and learned from shaken tests (tests)
 """
 
 from __future__ import annotations

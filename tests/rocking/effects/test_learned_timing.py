@@ -33,6 +33,8 @@ def test_a_sensor_reads_the_rotation_of_that_moment() -> None:
     # The block is let go at its lean; within a step of 1 ms an impact bends the cubic by less than 1e-4 rad.
     np.testing.assert_allclose(rotation_sensor(run), np.interp(moments, there.t, there.theta), rtol=0.0, atol=1e-4)
     np.testing.assert_array_equal(rotation_sensor(run)[:20], 0.1)
+    [alone] = rotation_sensor(solve(Method1(BLOCK), theta=0.1, t_end=1.2, save_at=[0.5], effects=effects))
+    assert np.isnan(alone)  # of another moment than the one sample
 
 
 def test_the_loop_runs_a_record_at_the_moments_that_it_is_of() -> None:

@@ -207,8 +207,8 @@ def test_sides_are_known_and_the_change_is_a_channel(setup: Setup) -> None:
 
 
 def test_a_change_of_side_that_was_not_read_falls_anywhere_in_the_gap(truth) -> None:
-    """Readings that are left out for 0.02 s about each impact, in the sense of time not evenly: the rotation there is
-    known to how far the block turns meanwhile, and the model with the true parameters bears it."""
+    """Readings that are left out for 0.02 s about each impact: the rotation there is known to how far the block turns
+    meanwhile, and the model with the true parameters bears it."""
     campaign, rotations = truth
     tests, gap = [], 4
     for test, rotation in zip(campaign.tests, rotations, strict=True):

@@ -18,6 +18,7 @@ from rocking import Block
 from studies.campaigns import Campaign, Channel, Conditions, DeclaredBlock, Test
 from studies.laboratory import contact, event, table
 from studies.laboratory.parameters import G, World, uniform
+from studies.loop.fits.fitting import Fit
 from studies.loop.models.candidates import MOST_FRICTION, Candidate, no_harder, with_friction
 from studies.loop.models.parameters import Parameter
 from studies.loop.records.preparing import as_declared, prepare
@@ -189,3 +190,93 @@ def test_friction_is_a_parameter_where_a_floor_has_any_and_nothing_is_harder_tha
     # 600 Hz of the mass that a corner meets, 1 / (1/m + b^2 / I), with half of the breadth.
     felt = 1.0 / (1.0 / WORLD.mass + WORLD.half_breadth**2 / WORLD.inertia)
     assert freed.parameters[0].high == pytest.approx(felt * (1200.0 * math.pi) ** 2)
+
+
+def test_one_swing_is_met_to_four_standard_deviations_of_noise(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The root mean square of n normal numbers scatters by 1 / sqrt(2 n); an estimated noise is not held to that."""
+    fitted: Any = SimpleNamespace(samples=800)
+    setup: Any = None
+    for declared, most in ((True, 1.1), (False, floors_of_releases.MISSED)):
+        monkeypatch.setattr(floors_of_releases, "declared_noise", lambda setup, declared=declared: declared)
+        assert floors_of_releases._of_noise(setup, fitted) == pytest.approx(most, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("along", "chi2", "kept"), [(2.0, 1e9, 2.0), (8.0, 1059.0, 1.0), (8.0, 1061.0, 8.0), (0.2, 1059.0, 1.0)]
+)
+def test_a_stiffness_along_the_floor_that_releases_do_not_tell_is_that_into_it(
+    monkeypatch: pytest.MonkeyPatch, along: float, chi2: float, kept: float
+) -> None:
+    """It is told where the other one is missed by 60 of chi-square more."""
+    own, other = (Parameter(name, 0.5, 0.05, 100.0, log=True) for name in ("floor.along", "floor.k"))
+    floor = Candidate("floor", "floor", (own, other), (), {}, minima_in="floor.along")
+
+    class Along:
+        def __init__(self, value: float) -> None:
+            self.value = value
+
+        def get(self, name: str) -> float:
+            return self.value
+
+        def changed(self, values: Mapping[str, float]) -> Along:
+            return Along(values["floor.along"])
+
+    def refit(simulator: Any, model: Any, parameters: Any, windows: Any, **options: Any) -> Any:
+        assert list(parameters) == [other]
+        return Fit(model, tuple(parameters), windows, chi2, 1.0, 1000, True, ())
+
+    monkeypatch.setattr(floors_of_releases, "fit", refit)
+    model: Any = Along(along)
+    best = Fit(model, (own, other), (), 1000.0, 1.0, 1000, True, ())
+    setup: Any = SimpleNamespace(simulator=None)
+    found = floors_of_releases._as_hard_along(setup, best, floor)
+    assert found.model.get("floor.along") == kept and found.parameters == (own, other)
+
+
+def shaken(world: World, friction: float | None, pushes: tuple[float, ...]) -> Campaign:
+    """The releases, and ramps of 3 Hz up to these accelerations [m/s^2]."""
+    campaign = releases_of(world, friction)
+    time = STEP * np.arange(round(4.0 / STEP) + 1)
+    still, rng, tests = np.zeros(time.size), np.random.default_rng(2), list(campaign.tests)
+    channels = (Channel("base", "base_acceleration_x", 1e-3), campaign.channels[0])
+    for k, most in enumerate(pushes):
+        push = most * np.minimum(time / 3.0, 1.0) * np.sin(6.0 * np.pi * time)
+        rotation = contact.simulate(
+            world, table.pieces(STEP, push, still, (still, still, still)), STEP, 1, 0.0
+        ).rotation
+        data = {"base": push, "rotation": rotation + NOISE * rng.standard_normal(time.size)}
+        tests.append(Test(f"ramp-{k}", "forced", time, channels, data))
+    return Campaign("releases and ramps", DECLARED, Conditions(friction=friction), channels, tuple(tests))
+
+
+MU = 1.04 * BREADTH / HEIGHT
+SLIDING = {STIFFNESS: 2e7, "compliant_base.damping_ratio": 0.3, "compliant_base.tangential_ratio": 1.0}
+
+
+@pytest.mark.slow
+def test_a_block_that_slides_on_springs_is_said_to_slide() -> None:
+    """Friction 4 % over b/h, which shaken records alone tell where the springs are known and friction of 2 is taken."""
+    campaign = shaken(soft(2e7, 0.3, 1.0, MU), None, (4.5, 6.0))
+    setup = prepare(campaign, as_declared(campaign, G))
+    plain = baseline(setup.simulator, setup.start, setup.swings)
+    corners = next(c for c in all_candidates(setup.start) if c.name == "compliant_base")
+    floor = replace(with_friction(corners, DECLARED), otherwise=())
+    model = setup.start.changed({**floor.fixed, **SLIDING, "compliant_base.friction": 2.0})
+    releases = tuple(w for w in setup.whole if campaign.tests[w.test].kind == "free")
+    trial, whole = floors_of_releases._on_all_records(setup, plain, floors_of_releases.Told(floor, model, releases))
+    assert trial.names == ("compliant_base[sliding]",) and trial.effects == ("compliant_base", "sliding")
+    assert whole.rms < 1.1
+    assert whole.model.get("sliding.friction") == pytest.approx(MU, rel=0.003)
+    for name, value in SLIDING.items():
+        assert whole.model.get(name) == pytest.approx(value, rel=0.03), name
+    assert "friction" not in whole.model.effects["compliant_base"]
+    assert trial.parts[0].absent(DECLARED)["sliding.friction"] == math.inf
+
+
+# Releases of so soft a floor tell of its friction: with that of 2, from which they are begun, they lead to 30 MN/m, met
+# to 1.06 times their noise, and from there no friction meets the ramps.
+@pytest.mark.slow
+@pytest.mark.xfail(strict=True, reason="releases are begun with the friction that is taken, and stay where it leads")
+def test_a_block_that_slides_on_springs_is_found_from_releases() -> None:
+    trial, _ = told(shaken(soft(2e7, 0.3, 1.0, MU), None, (4.5, 6.0)))
+    assert trial.effects == ("compliant_base", "sliding")
