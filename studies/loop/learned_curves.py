@@ -113,13 +113,13 @@ PARTS = {
     ),
     "time": _Part(
         "Reading against time", "What is added to the reading as a record goes on.",
-        "time since the record began [s]", "added to the reading [rad]", {"drift": lambda x: np.maximum(x, 0.0)},
+        "time since the record began [s]", "added to the reading [rad]", {"drift": lambda x: x},
         READING,
     ),
     "clock": _Part(
         "Clock of the rotation's recorder", "How late a reading is: when it is said to be, less when it was.",
         "time since the record began [s]", "late by [s]",
-        {"pace": lambda x: -np.maximum(x, 0.0), "lag": lambda x: np.where(x < 0.0, 0.0, 1.0)}, TIMING,
+        {"pace": lambda x: -x, "lag": np.ones_like}, TIMING,
     ),
     "shaken": _Part(
         "Reading against base acceleration", "What is added to the reading while the base is accelerated.",
@@ -132,6 +132,9 @@ PARTS = {
     ),
 }  # fmt: skip
 
+
+OF_TIME = ("time", "clock")
+"""Those of them that are drawn from the beginning of a record."""
 
 MEMORIES = {
     ("first", "first_impacts"): ("impacts of the test before", 20.0),
@@ -148,7 +151,8 @@ def curves(setup: Setup, settled: Settled) -> tuple[Curve, ...]:
         own = {f"{part.effect}.{name}": function for name, function in part.functions.items()}
         own = {name: function for name, function in own.items() if name in held}
         if own:
-            found.append(_linear(part, own, held, settled, np.linspace(-1.0, 1.0, POINTS) * _reach(setup, key)))
+            x = np.linspace(0.0 if key in OF_TIME else -1.0, 1.0, POINTS)
+            found.append(_linear(part, own, held, settled, x * _reach(setup, key)))
     for part in _splines(settled):
         found.append(
             _linear(part, part.functions, held, settled, np.linspace(-1.0, 1.0, 2 * POINTS) * _reach(setup, "rotation"))
@@ -340,7 +344,7 @@ def _reach(setup: Setup, key: str) -> float:
     rotation = max(float(np.nanmax(np.abs(record.rotation))) for record in setup.records)
     if key in ("rotation", "structural", "reading"):
         return rotation
-    if key in ("time", "clock"):
+    if key in OF_TIME:
         return max(float(record.time[-1] - record.time[0]) for record in setup.records)
     if key in ("base", "shaken", "struck"):
         bases = [t.base_x for t in setup.campaign.tests if t.base_x is not None]

@@ -405,6 +405,14 @@ def test_what_a_sensor_adds_is_drawn_over_the_rotation():
     assert (curve.label, curve.y_label) == ("Reading against rotation", "added to the reading [rad]")
 
 
+def test_how_late_a_clock_is_is_drawn_over_a_record():
+    """A reading at t is of (1 + pace) t - lag: late by lag - pace t."""
+    [curve] = retold({"learned_timing.pace": -0.005, "learned_timing.lag": 0.01}, np.diag([1e-8, 1e-8])).learned
+    assert curve.x[0] == 0.0 and curve.x[-1] > 1.0
+    np.testing.assert_allclose(curve.y, 0.01 + 0.005 * curve.x, rtol=1e-12)
+    assert (curve.label, curve.y_label) == ("Clock of the rotation's recorder", "late by [s]")
+
+
 def test_a_curve_of_a_sensor_is_drawn_over_the_rotation():
     ends = {"low": -0.15, "high": 0.2, "intervals": 2.0}
     values = {f"learned_reading.{name}": value for name, value in ends.items()}
