@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from rocking import Block, Method1, solve
-from rocking.effect import WAYS, Effect
+from rocking.effect import OF_THE_SENSOR, WAYS, Effect
 from rocking.effects import available, base_with, compose, load
 
 NAMES = available()
@@ -268,9 +268,7 @@ def left_out(name: str) -> Any:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "name", [left_out(n) for n in TOGETHER if n not in ("learned_reading", "rotation_gain", "rotation_offset")]
-)
+@pytest.mark.parametrize("name", [left_out(n) for n in TOGETHER if not load(n).ways() <= OF_THE_SENSOR])
 def test_each_of_all_effects_together_acts(shaken: Any, name: str) -> None:
     # Upright at first, so that adhesion has a say.
     effects = [load(name)(**PRESENT[name]) for name in TOGETHER]
