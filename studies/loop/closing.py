@@ -79,6 +79,11 @@ LOSSES = frozenset({
 })  # fmt: skip
 """Effects on what is lost, or that together with another restitution look like one."""
 
+TOLD_APART = 2.0
+"""Difference of the criterion of swings below which they say nothing of two trials.
+
+Source: Kass & Raftery (1995), J. Am. Stat. Assoc. 90, 773-795: "not worth more than a bare mention"."""
+
 STANDARD_GRAVITY = 9.81
 """Gravity [m/s^2] where the laboratory does not say its own."""
 
@@ -350,10 +355,13 @@ def _otherwise(
 
 
 def _one_in_place_of(setup: Setup, plain: Trial, named: Trial, whole: Fit, tell: Tell) -> Trial | None:
-    """One coefficient without a name that swings and whole records prefer to effects with a name."""
+    """One coefficient without a name that whole records prefer to effects with a name, and swings do not speak against.
+
+    A late recorder of the rotation moves swings as an early base does, and releases as that does not.
+    """
     tell("asking whether one coefficient without a name explains more")
     best = search(setup.simulator, plain, by_itself(setup.simulator, plain), tell, leading=True).best
-    if best is None or bic(best.swing) > bic(named.swing):
+    if best is None or bic(best.swing) > bic(named.swing) + TOLD_APART:
         return None
     best, there = remembering_all(setup, best, whole_fit(setup, best, whole))
     return best if explains_more(setup, there, whole) else None

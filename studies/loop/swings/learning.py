@@ -286,7 +286,11 @@ def between(simulator: Simulator, windows: Sequence[Window]) -> tuple[Candidate,
     clock = Parameter(f"{TIMING}.pace", 0.001, -0.1, 0.1), Parameter(f"{TIMING}.lag", 0.001, -0.2, 0.2)
     clocks = (
         Candidate(name, TIMING, own, (), {})
-        for name, own in (("learned[clock]", clock[:1]), ("learned[clock, late]", clock))
+        for name, own in (
+            ("learned[late]", clock[1:]),
+            ("learned[clock]", clock[:1]),
+            ("learned[clock, late]", clock),
+        )
     )
     read = not any(w.accelerometers for w in windows)
     coupled = Candidate("learned[coupled base sensor]", COUPLING, (corner,), (), {})

@@ -243,6 +243,19 @@ def test_a_clock_that_is_fast_is_learned() -> None:
 
 
 @pytest.mark.slow
+def test_a_recorder_that_is_late_is_learned() -> None:
+    """By 10 ms after the base: of swings alone it is the same as a base that is early, which is no coefficient."""
+    time = STEP * np.arange(2501)
+
+    found = shaken(
+        lambda push: 0.0 * push, lambda push: push, ((2.0, 4.0), (3.0, 8.0)),
+        stamped=lambda rotation: np.interp(time - 0.01, time, rotation),
+    )  # fmt: skip
+    assert found.names == ("learned[late]",)
+    assert found.swing.model.get("learned_timing.lag") == pytest.approx(0.01, rel=0.03)
+
+
+@pytest.mark.slow
 def test_a_sensor_that_feels_the_base_is_learned() -> None:
     found = shaken(lambda push: 2e-4 * push, lambda push: push, ((2.0, 4.0), (3.0, 8.0)))
     assert found.names == ("learned[reading base]",)
