@@ -16,7 +16,16 @@ from rocking.effects.learned_curve import EVEN, ODD, curve, numbers
 from rocking.effects.learned_damping import DAMPING
 from rocking.effects.learned_friction import FRICTION
 from rocking.effects.learned_reading import MARKS, LearnedReading
-from studies.loop.learned_in_time import amplification, answer, by_parameters, loop, passed, ringing, there_and_back
+from studies.loop.learned_in_time import (
+    amplification,
+    answer,
+    by_parameters,
+    loop,
+    passed,
+    read,
+    ringing,
+    there_and_back,
+)
 from studies.loop.models.model import DRIFT, FADING, LoopModel
 from studies.loop.observed.windows import struck_before
 from studies.loop.records.preparing import Setup
@@ -29,6 +38,7 @@ from studies.loop.swings.learning import (
     MEMORY,
     MODE,
     READING,
+    RESPONSE,
     RUBBING,
     TERM,
     TIMING,
@@ -179,7 +189,8 @@ def curves(setup: Setup, settled: Settled) -> tuple[Curve, ...]:
 
 
 def _in_time(setup: Setup, settled: Settled, held: Mapping[str, int]) -> list[Curve]:
-    """A mass that swings, a plate under the block, a coupled base sensor, and what slips or creeps."""
+    """A mass that swings, a plate under the block, a coupled base sensor, a slow one of the rotation, and what slips or
+    creeps."""
     model, found = settled.whole.model, []
 
     def drawn(effect: str, part: _Part, x: Array, draw: Callable[[LoopModel], Array]) -> Curve:
@@ -196,6 +207,13 @@ def _in_time(setup: Setup, settled: Settled, held: Mapping[str, int]) -> list[Cu
         part = _Part(f"{label}: torque after a stop", words, "time [s]", TORQUE, {})
         times = ringing(model)
         found.append(drawn(MODE, part, times, lambda m: answer(m, times)))
+    if f"{RESPONSE}.frequency" in held:
+        part = _Part(
+            "Sensor of the rotation", "What it reads of sinusoids, over what there is.", "frequency [Hz]",
+            "read over true [1]", {},
+        )  # fmt: skip
+        at = np.linspace(0.0, 3.0 * model.get(f"{RESPONSE}.frequency"), POINTS)
+        found.append(drawn(RESPONSE, part, at, lambda m: read(m, at)))
     if f"{BASE}.frequency" in held:
         part = _Part(
             "A plate under the block",

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from rocking.effects.learned_base import LearnedBase
 from rocking.effects.learned_coupling import LearnedCoupling
+from rocking.effects.learned_response import LearnedResponse
 from rocking.hybrid import REST, Base, Discrete
 from rocking.hysteretic import HystereticBlock, yielding
 from rocking.inner_mass import BlockWithInnerMass, inside
@@ -103,6 +104,13 @@ def passed(model: LoopModel, frequency: Array) -> Array:
     """What a coupled base sensor records of sinusoids of these frequencies [Hz], over what there is [1]."""
     corner = model.get(f"{LearnedCoupling.name}.corner_frequency")
     return frequency / np.hypot(frequency, corner)
+
+
+def read(model: LoopModel, frequency: Array) -> Array:
+    """What a slow sensor of the rotation reads of sinusoids of these frequencies [Hz], over what there is [1]."""
+    sensor = model.effects[LearnedResponse.name]
+    r = frequency / sensor["frequency"]
+    return np.asarray(1.0 / np.abs(1.0 - r**2 + 2j * sensor["damping_ratio"] * r))
 
 
 def by_parameters(draw: Callable[[LoopModel], Array], model: LoopModel, names: list[str]) -> Array:

@@ -83,7 +83,7 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     if floor is not None and (_enough_alone(setup, floor) or stands_alone(setup, floor.last, floor.whole)):
         return floor
     first = floor or followed(setup, begin, pool, tell, later=True, begun=[opening], most=1)
-    meant = _floor_behind(setup, begin, opening, first, tell) if floor is None else None
+    meant = _floor_behind(setup, begin, opening, first, tell) if floor is None and term is None else None
     if meant is not None:
         return meant
     if not explains(setup, first.last, first.whole):

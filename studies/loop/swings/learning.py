@@ -68,9 +68,9 @@ LITTLE = 0.2
 HOPELESS = 1
 """Coefficients after which half of what is to be reached has to be."""
 
-TERM, CURVE, LOSS, RUBBING, MEMORY, READING, TIMING, BASE, COUPLING, MODE, HYSTERESIS = LEARNED = (
+TERM, CURVE, LOSS, RUBBING, MEMORY, READING, TIMING, RESPONSE, BASE, COUPLING, MODE, HYSTERESIS = LEARNED = (
     "learned_term", "learned_curve", "learned_damping", "learned_friction", "learned_memory", "learned_reading",
-    "learned_timing", "learned_base", "learned_coupling", "learned_mode", "learned_hysteresis",
+    "learned_timing", "learned_response", "learned_base", "learned_coupling", "learned_mode", "learned_hysteresis",
 )  # fmt: skip
 """Effects that say how a residual looks and not what it comes from."""
 
@@ -91,6 +91,9 @@ NEAR_UPRIGHT = 0.2
 
 MODES = (0.5, 0.71, 1.0, 1.41, 2.0, 2.83, 4.0, 5.66, 8.0)
 """Circular frequencies over the block's p from which a mode is tried: a heavy one is found from no further off."""
+
+SENSORS = (5.0, 15.0, 40.0)
+"""Frequencies [Hz] at which fits of a slow sensor of the rotation begin."""
 
 PLATES = (3.0, 5.0, 8.0, 13.0, 20.0, 32.0)
 """Frequencies from which a plate is tried [Hz]."""
@@ -164,7 +167,8 @@ def by_itself(simulator: Simulator, onto: Trial) -> list[Candidate]:
     """What has no name, is said by a number or two, and may be all that acts."""
     declared, windows = onto.swing.model.declared, onto.swing.windows
     few = [c for c in readings(declared, windows) if len(c.parameters) == 1]
-    return [*unnamed(declared), *few, *memories(declared, windows), *between(simulator, windows)]
+    between_them = between(simulator, windows)
+    return [*unnamed(declared), *few, *answering(windows), *memories(declared, windows), *between_them]
 
 
 def _term(full: str, size: float) -> Candidate:
@@ -175,9 +179,7 @@ def _term(full: str, size: float) -> Candidate:
 
 def readings(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
     """What a rotation sensor adds to the rotation, where one was read."""
-    if not any(
-        not w.accelerometers or any(c.kind == "rotation" and c is not SIDE for c in w.channels) for w in windows
-    ):
+    if not _rotation_was_read(windows):
         return ()
     sizes = {"square": 0.02 / block.alpha, "cubic": 0.02 / block.alpha**2, "drift": 0.001 * block.alpha * block.p()}
     sizes["base"] = 0.001 * block.alpha / (G_STANDARD * math.tan(block.alpha))
@@ -190,6 +192,20 @@ def readings(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate
         fixed = {**ends, f"{READING}.intervals": float(n)}
         found.append(Candidate(f"learned[reading, {shape}]", READING, own, (), fixed))
     return tuple(found)
+
+
+def _rotation_was_read(windows: Sequence[Window]) -> bool:
+    return any(not w.accelerometers or any(c.kind == "rotation" and c is not SIDE for c in w.channels) for w in windows)
+
+
+def answering(windows: Sequence[Window]) -> tuple[Candidate, ...]:
+    """A rotation sensor that answers as a low-pass, where one was read."""
+    if not _rotation_was_read(windows):
+        return ()
+    frequency, damping = f"{RESPONSE}.frequency", f"{RESPONSE}.damping_ratio"
+    own = Parameter(frequency, 0.1, 0.5, 100.0, log=True), Parameter(damping, 0.3, 0.05, 10.0, log=True)
+    starts = tuple({frequency: f, damping: 0.7} for f in SENSORS)
+    return (Candidate("learned[slow sensor]", RESPONSE, own, starts, {}, smooth=False),)
 
 
 def profiles(block: DeclaredBlock, windows: Sequence[Window]) -> tuple[Candidate, ...]:
@@ -398,7 +414,7 @@ def _at_hand(simulator: Simulator, onto: Trial) -> tuple[Candidate, ...]:
     """What has no states that go on from swing to swing."""
     declared, windows = onto.swing.model.declared, onto.swing.windows
     forms = (c for form in (readings, profiles, memories) for c in form(declared, windows))
-    return (*terms(declared), *forms, *between(simulator, windows))
+    return (*terms(declared), *forms, *answering(windows), *between(simulator, windows))
 
 
 def alike(simulator: Simulator, without: Trial, found: Trial, tell: Callable[[str], None]) -> list[Trial]:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.integrate import cumulative_simpson, solve_ivp
+from scipy.signal import lsim
 
 from rocking import solve
 from rocking.effects import load
@@ -253,6 +254,23 @@ def test_a_recorder_that_is_late_is_learned() -> None:
     )  # fmt: skip
     assert found.names == ("learned[late]",)
     assert found.swing.model.get("learned_timing.lag") == pytest.approx(0.01, rel=0.03)
+
+
+@pytest.mark.slow
+def test_a_sensor_that_is_slow_is_learned() -> None:
+    """A low-pass of 12 Hz, damping ratio 0.7: its answer by SciPy's `lsim`, in steps of a hundredth of the samples'."""
+    time, w = STEP * np.arange(2501), 2.0 * np.pi * 12.0
+    finely = 0.01 * STEP * np.arange(250_001)
+
+    def slow(rotation: np.ndarray) -> np.ndarray:
+        # Impacts are where the rotation changes its sign, between two samples: straight lines miss little of a bend.
+        finer = np.interp(finely, time, rotation)
+        return np.asarray(lsim(([w**2], [1.0, 1.4 * w, w**2]), finer, finely)[1][::100])
+
+    found = shaken(lambda push: 0.0 * push, lambda push: push, ((2.0, 4.0), (3.0, 8.0)), stamped=slow)
+    assert found.names == ("learned[slow sensor]",)
+    assert found.swing.model.get("learned_response.frequency") == pytest.approx(12.0, rel=0.03)
+    assert found.swing.model.get("learned_response.damping_ratio") == pytest.approx(0.7, rel=0.03)
 
 
 @pytest.mark.slow

@@ -413,6 +413,15 @@ def test_how_late_a_clock_is_is_drawn_over_a_record():
     assert (curve.label, curve.y_label) == ("Clock of the rotation's recorder", "late by [s]")
 
 
+def test_what_a_slow_sensor_reads_is_drawn_against_the_frequency():
+    """At its own frequency 1 / (2 damping_ratio); far above it nothing."""
+    values = {"learned_response.frequency": 12.0, "learned_response.damping_ratio": 0.7}
+    [curve] = retold(values, np.diag([0.01, 1e-4])).learned
+    assert (curve.x[0], curve.x[-1], curve.y[0]) == (0.0, 36.0, 1.0)
+    assert np.interp(12.0, curve.x, curve.y) == pytest.approx(1.0 / 1.4, rel=1e-9)
+    assert curve.label == "Sensor of the rotation" and np.all(curve.low[1:] < curve.y[1:])
+
+
 def test_a_curve_of_a_sensor_is_drawn_over_the_rotation():
     ends = {"low": -0.15, "high": 0.2, "intervals": 2.0}
     values = {f"learned_reading.{name}": value for name, value in ends.items()}
