@@ -292,7 +292,7 @@ def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial 
     Swings have to prefer it by far, and whole records must not refuse it.  Floors that give have been asked alone, and
     of what they do together with something else one such form says little.  Where swings are left with no more than
     chance would leave, and whole records are missed, a form may still be preferred by far: what it does is little in
-    any one swing.
+    any one swing.  Where a coefficient or two say as much of the swings, no form is taken.
     """
     if not setup.by_rotation or not declared_noise(setup):
         return None
@@ -316,7 +316,8 @@ def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial 
             if best is None or explains_more(setup, found[1], best[1]):
                 best = found
         if best is not None:
-            return best[0]
+            few = search(setup.simulator, plain, by_itself(setup.simulator, plain), tell, leading=True).best
+            return best[0] if few is None or bic(best[0].swing) < bic(few.swing) else None
     return None
 
 

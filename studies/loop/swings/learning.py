@@ -148,7 +148,10 @@ def terms(block: DeclaredBlock) -> tuple[Candidate, ...]:
         )
         for name in ("friction", "damping")
     )
-    return (*found.values(), *by_side, _term(DRIFT, 0.002), _fading())
+    # Of a joint that is pressed harder the further it turns, at rest or not.
+    rubbing = (*found["friction"].parameters, *found["structural"].parameters)
+    growing = Candidate("learned[friction that grows]", TERM, rubbing, (), {})
+    return (*found.values(), *by_side, growing, _term(DRIFT, 0.002), _fading())
 
 
 def _fading() -> Candidate:
@@ -364,7 +367,15 @@ def inner(block: DeclaredBlock, released: bool) -> tuple[Candidate, ...]:
         tuple({size: 0.02 * moment, time: share / p, **half} for share in TIMES),
         {}, smooth=False, scouts=(size,),
     )  # fmt: skip
-    return swinging, hanging, slipping, creeping
+    # What flows to the low side draws it further down, and at once does nothing: a spring that pushes, and yields.
+    pushed = 0.02 * moment / block.I_O
+    beside = Parameter(f"{TERM}.spring", pushed, -50.0 * pushed, 50.0 * pushed)
+    flowing = replace(
+        creeping, name="learned[relaxation beside a spring]", parameters=(*creeping.parameters, beside),
+        starts=tuple({**start, beside.name: pushed, **(dict.fromkeys(half, 1.0))} for start in creeping.starts),
+        after=creeping.name, also=(TERM,),
+    )  # fmt: skip
+    return swinging, hanging, slipping, creeping, flowing
 
 
 def open_to(trial: Trial, pool: Sequence[Candidate]) -> list[Candidate]:

@@ -377,6 +377,49 @@ def test_a_heavy_mode_is_found_wherever_it_lies_between_the_frequencies_tried() 
 
 
 @pytest.mark.slow
+def test_a_load_that_flows_to_the_low_side_is_learned_as_a_spring_that_pushes_and_yields() -> None:
+    """y' = (c theta - y) / 0.4 s of the centre of mass, by DOP853 of SciPy from impact to impact: what it does, m g y,
+    is m g c (theta - z), where z forgets in 0.4 s how the block has turned."""
+    p, alpha, sinks, after = DECLARED.p(), DECLARED.alpha, 0.04, 0.4
+    own = MASS * G * sinks / DECLARED.I_O
+    rng, tests, time = np.random.default_rng(3), [], STEP * np.arange(1501)
+
+    def rates(t: float, state: np.ndarray, side: float) -> tuple[float, float, float]:
+        theta, omega, low = state
+        return omega, -(p**2) * math.sin(side * alpha - theta) + own * low, (theta - low) / after
+
+    def upright(t: float, state: np.ndarray, side: float) -> float:
+        return float(state[0]) * side
+
+    upright.terminal, upright.direction = True, -1.0  # type: ignore[attr-defined]
+    for k, lean in enumerate(LEANS):
+        rotation, begin, state = np.full(time.size, np.nan), 0.0, np.array([lean, 0.0, 0.0])
+        side = math.copysign(1.0, lean)
+        while begin < time[-1]:
+            run = solve_ivp(
+                rates, (begin, time[-1]), state, "DOP853", time[time >= begin], events=upright, args=(side,),
+                rtol=1e-10, atol=1e-13,
+            )  # fmt: skip
+            if len(run.t):  # some are shorter than a sample
+                rotation[np.searchsorted(time, run.t)] = run.y[0]
+            if run.status != 1:
+                break
+            begin, state, side = run.t_events[0][0], run.y_events[0][0] * (0.0, E, 1.0), -side
+            if abs(state[1]) < 1e-3:
+                rotation[time >= begin] = 0.0
+                break
+        rotation += NOISE * rng.standard_normal(time.size)
+        tests.append(Test(f"free-{k}", "free", time, (Channel("rotation", "rotation", NOISE),), {"rotation": rotation}))
+    simulator, plain = calibrated(tests)
+    found = search(simulator, plain, inner(DECLARED, True), leading=True).best
+    assert found is not None and found.names == ("learned[relaxation beside a spring]",)
+    assert found.swing.rms < 1.02
+    assert found.swing.model.get("learned_hysteresis.time") == pytest.approx(after, rel=0.1)
+    assert found.swing.model.get("learned_hysteresis.stiffness") == pytest.approx(own * DECLARED.I_O, rel=0.1)
+    assert found.swing.model.get("learned_term.spring") == pytest.approx(own, rel=0.1)
+
+
+@pytest.mark.slow
 def test_a_layer_that_slips_is_learned_as_hysteresis() -> None:
     """A spring that slips at 0.05 rad by Bouc's law with the square: an exponent of two."""
     world = replace(IDEAL, layer=0.06 * MASS * G * math.hypot(0.1, 0.3), layer_width=0.05)

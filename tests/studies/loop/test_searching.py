@@ -265,11 +265,14 @@ def test_a_coefficient_is_taken_beside_what_was_found_where_it_leaves_nothing(wa
         pytest.param({"left": 1.06}, False, id="it leaves structure"),
         pytest.param({"whole": 1.31}, False, id="it misses whole records"),
         pytest.param({"refused": True}, False, id="whole records prefer the path"),
+        # A joint whose friction grows with the lean: two coefficients left 1.00 of the swings, a curve of ten no less.
+        pytest.param({"few": 495.0}, False, id="swings prefer a coefficient or two"),
+        pytest.param({"few": 505.0}, True, id="a coefficient or two explain less"),
     ],
 )
 def test_a_form_is_taken_where_it_leaves_noise_of_swings_and_whole_records(ways, monkeypatch, change, taken):
     told = SimpleNamespace(rotation=True, found=True, chi2=500.0, left=1.01, whole=1.0, refused=False, declared=True)
-    told.chance, told.missed = False, 1.2
+    told.chance, told.missed, told.few = False, 1.2, None
     vars(told).update(change)
     ways.declared, ways.whole, ways.chance = told.declared, told.whole, told.chance
     monkeypatch.setattr(searching, "by_chance", lambda setup, trial: trial is not path or told.chance)
@@ -277,6 +280,7 @@ def test_a_form_is_taken_where_it_leaves_noise_of_swings_and_whole_records(ways,
     plain.swing.model, plain.swing.windows = SimpleNamespace(declared=None), ()
     monkeypatch.setattr(searching, "profiles", lambda block, windows: "curves")
     monkeypatch.setattr(searching, "inner", lambda block, released: ("within", released))
+    monkeypatch.setattr(searching, "by_itself", lambda simulator, trial: "few")
     monkeypatch.setattr(searching, "over_noise", lambda setup, trial: told.left)
     monkeypatch.setattr(searching, "unexplained", lambda setup: 1.05)
     monkeypatch.setattr(
@@ -288,6 +292,8 @@ def test_a_form_is_taken_where_it_leaves_noise_of_swings_and_whole_records(ways,
 
     def search(simulator, onto, pool, tell, leading=False):
         assert onto is plain
+        if pool == "few":
+            return Round(onto, [] if told.few is None else [path_of("one or two", chi2=told.few)])
         asked.append(pool)
         return Round(onto, [form] if told.found == pool or told.found is True else [])
 
@@ -299,7 +305,8 @@ def test_a_form_is_taken_where_it_leaves_noise_of_swings_and_whole_records(ways,
     assert found is (form if taken else None)
     # What goes on in time is asked where curves do not explain it.
     if told.rotation and told.declared and (not told.chance or told.missed > searching.MISSED):
-        assert asked == (["curves"] if taken and told.found is True else ["curves", ("within", True)])
+        ended = (taken or told.few is not None) and told.found is True
+        assert asked == (["curves"] if ended else ["curves", ("within", True)])
     else:
         assert asked == []
 
@@ -337,7 +344,8 @@ def test_of_forms_that_swings_do_not_tell_apart_whole_records_choose(
 
     monkeypatch.setattr(searching, "whole_fit", whole_fit)
     monkeypatch.setattr(searching, "explains_more", more)
-    found = {"curves": [fine, wide], "within": []}
+    found = {"curves": [fine, wide], "within": [], "few": []}
+    monkeypatch.setattr(searching, "by_itself", lambda simulator, trial: "few")
     monkeypatch.setattr(searching, "search", lambda s, onto, pool, tell, leading: Round(onto, found[pool]))
     setup = setup_of(True)
     setup.simulator = SimpleNamespace(tests=[])
