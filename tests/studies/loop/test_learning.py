@@ -655,18 +655,19 @@ def test_what_has_states_of_its_own_is_learned_once() -> None:
     the memory of a restitution lacks may still be added."""
     _, plain = decays(IDEAL)
     remembered, recent, by_each, by_energy, pushed, shaken = memories(DECLARED, plain.swing.windows)
-    mode, hanging, slipping, creeping = inner(DECLARED, True)
+    mode, hanging, slipping, creeping, flowing = inner(DECLARED, True)
     worn, heeding = [by_each, by_energy], [pushed, shaken]
     curves = profiles(DECLARED, plain.swing.windows)
     others = [*readings(DECLARED, plain.swing.windows), *curves]
     few = [c for c in others if c.name in {f"learned[reading {way}]" for way in WAYS}]
     assert len(few) == len(WAYS)
-    pool = [mode, hanging, slipping, creeping, remembered, recent, *worn, *heeding, *others]
+    pool = [mode, hanging, slipping, creeping, flowing, remembered, recent, *worn, *heeding, *others]
     assert open_to(plain, pool) == pool
     assert open_to(plain.with_(mode, plain.swing), pool) == few
     assert open_to(plain.with_(hanging, plain.swing), pool) == few
     assert open_to(plain.with_(slipping, plain.swing), pool) == few  # what creeps has the same stiffness
-    assert open_to(plain.with_(remembered, plain.swing), pool) == pool[5:]
+    assert open_to(plain.with_(flowing, plain.swing), pool) == few
+    assert open_to(plain.with_(remembered, plain.swing), pool) == pool[6:]
     assert open_to(plain.with_(by_each, plain.swing), pool) == [remembered, recent, *heeding, *others]
 
 
@@ -674,7 +675,7 @@ def test_a_release_alone_says_how_far_something_was_strained() -> None:
     pulled = "learned_hysteresis.strained"
     for released in (True, False):
         _, _, *held = inner(DECLARED, released)
-        assert [pulled in {p.name for p in c.parameters} for c in held] == [released] * 2
+        assert [pulled in {p.name for p in c.parameters} for c in held] == [released] * 3
 
 
 def test_impacts_of_a_record_are_those_of_a_run_though_the_base_trembles() -> None:
