@@ -83,9 +83,13 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     if floor is not None and (_enough_alone(setup, floor) or stands_alone(setup, floor.last, floor.whole)):
         return floor
     first = floor or followed(setup, begin, pool, tell, later=True, begun=[opening], most=1)
-    meant = _floor_behind(setup, begin, opening, first, tell) if floor is None and term is None else None
-    if meant is not None:
-        return meant
+    greedy: Path | None = None
+    if floor is None and term is None and _floor_may_be_behind(setup, begin, opening, first):
+        # Two effects are asked in far less time; of a floor they leave something.
+        greedy = _greedy(setup, first, pool, tell)
+        meant = None if _leaves_nothing(setup, greedy) else _floor_behind(setup, begin, opening, first, tell)
+        if meant is not None:
+            return meant
     if not explains(setup, first.last, first.whole):
         if term is None and _nothing_is_left_of_swings(setup, opening):
             term = _coefficient(setup, plain, tell)
@@ -97,8 +101,7 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
         if explains(setup, floor.last, floor.whole):
             return _told(setup, floor, [floor], floor, _merged([floor]))
         first = followed(setup, begin, pool, tell, later=True, begun=[opening], most=1)
-    # Where no first effect was accepted there is nothing to go on from.
-    greedy = followed(setup, first, pool, tell, later=True) if len(first.trials) > 1 else first
+    greedy = greedy or _greedy(setup, first, pool, tell)
     if floor is not None and not _serves_better(setup, greedy, floor):
         return _told(setup, floor, [floor, greedy], floor, [_with_reason(r) for r in _merged([floor, greedy])])
     paths = [greedy, *_going_back(setup, greedy, pool, tell)]
@@ -192,15 +195,25 @@ def _floor_first(
     return path if leads or _enough_alone(setup, path) else None
 
 
-def _floor_behind(setup: Setup, begin: Path, opening: Round, first: Path, tell: Tell) -> Path | None:
-    """The path to a floor that gives, where another effect explains swings in its place and misses whole records.
+def _greedy(setup: Setup, first: Path, pool: Sequence[Candidate], tell: Tell) -> Path:
+    """The path on from its first effect; where none was accepted there is nothing to go on from."""
+    return followed(setup, first, pool, tell, later=True) if len(first.trials) > 1 else first
+
+
+def _floor_may_be_behind(setup: Setup, begin: Path, opening: Round, first: Path) -> bool:
+    """Whether an effect may explain swings in the place of a floor that gives, since it misses whole records.
 
     Of a block that slips swings say little, and a floor may look like a loss that depends on the speed; of what the
     calibrated block leaves nothing in swings no floor is the reason.
     """
     asked = NOT_OF_RELEASES in opening.skipped.values()
-    if asked or not tell_of_floors(setup) or nothing_of_swings(setup, begin.last) or met(setup, first.whole, MISSED):
-        return None
+    if asked or not tell_of_floors(setup) or nothing_of_swings(setup, begin.last):
+        return False
+    return not met(setup, first.whole, MISSED)
+
+
+def _floor_behind(setup: Setup, begin: Path, opening: Round, first: Path, tell: Tell) -> Path | None:
+    """The path to a floor that gives, where whole records prefer it to that of an effect that misses them."""
     found = _floor_of_releases(setup, begin, opening, tell)
     if found is None or not explains_more(setup, found.whole, first.whole):
         return None

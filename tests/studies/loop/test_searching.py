@@ -522,11 +522,26 @@ def test_a_floor_is_asked_where_another_effect_explains_swings_alone(told, monke
     told.trials, told.nothing, told.whole = {(): [path_of("a")]}, nothing, whole
     told.of_releases[()], told.alone = path_of("floor", costly=True), [("floor",)]
     monkeypatch.setattr(searching, "explains_more", lambda setup, one, other: better and one.of == ("floor",))
+    late: list[bool] = []
+    monkeypatch.setattr(searching, "_one_term_is_enough", lambda setup, plain, tell: bool(late.append(True)))
     assert searched().last.names == ("floor",)
     assert told.onto == asked
     at_once = whole > 1.3 and nothing == [("a",)] and better
-    # All else is gone through where it is asked last.
-    assert (len(told.rounds) < 2) is at_once
+    # A second effect is asked before it, and all else where the floor is asked last.
+    assert len(told.rounds) == 2 and (not late) is at_once
+
+
+@pytest.mark.parametrize("left", [False, True])
+def test_no_floor_is_asked_behind_an_effect_where_a_second_one_leaves_nothing(told, monkeypatch, left):
+    """Worn edges and a damping: the first one alone leaves nothing of swings, and misses whole records."""
+    told.trials, told.nothing, told.whole = {(): [path_of("a")]}, [("a",)], 1.4
+    told.accepted = {((), True): path_of("a"), (("a",), True): path_of("a", "b")}
+    told.of_releases[()], told.alone = path_of("floor", costly=True), [("floor",)]
+    monkeypatch.setattr(searching, "explains_more", lambda setup, one, other: one.of == ("floor",))
+    monkeypatch.setattr(searching, "_leaves_nothing", lambda setup, path: path.last.names == ("a", "b") and not left)
+    monkeypatch.setattr(searching, "_nothing_is_left", lambda setup, path: not left)
+    assert searched().last.names == (("floor",) if left else ("a", "b"))
+    assert told.onto == ([()] if left else [])
 
 
 def test_a_floor_that_explains_by_far_more_than_others_is_gone_on_from(springs, monkeypatch):
