@@ -28,7 +28,7 @@ from .truth import Truth
 FREQUENCIES = (2.5, 3.0, 3.5, 4.0, 4.5, 5.0)
 NUISANCES = (
     "missing", "clipping", "truncated", "overturns", "mixed_sampling", "vertical_channel", "quantised", "lossy",
-    "noisy_base",
+    "noisy_base", "accelerometers",
 )  # fmt: skip
 NOISY_BASE = 4.0  # its noise over that of other campaigns, beside a rotation of QUIET_ROTATION
 QUIET_ROTATION = 5e-5  # rad
@@ -96,6 +96,13 @@ def channels_of(rng: np.random.Generator, block: DeclaredBlock, kind: str, verti
         Channel("acc_right", "block_acceleration", noise, (half, 0.05), (0.0, 1.0)),
     )
     return Bench((*sensors, *channels), {c.name: float(rng.normal(0.0, MISALIGNMENT)) for c in sensors})
+
+
+def _with_accelerometers(bench: Bench, seed: int, block: DeclaredBlock) -> Bench:
+    """The instruments with three accelerometers on the block beside its rotation."""
+    beside = channels_of(seeded(seed, "accelerometers"), block, "block_acceleration", False)
+    sensors = [c for c in beside.channels if c.kind == "block_acceleration"]
+    return replace(bench, channels=(bench.channels[0], *sensors, *bench.channels[1:]), mounting=beside.mounting)
 
 
 def _noisy_base(channel: Channel) -> Channel:
@@ -217,8 +224,9 @@ def _check_asked(effects: Sequence[str], channel: str, nuisances: Sequence[str],
             f"'lossy': want the engine 'event' with it, since in {engine!r} losses come out of the contact"
         )
     check_together(effects, engine)
-    if engine != "event" and channel != "rotation":
-        raise ValueError(f"channel={channel!r}: want 'rotation' of the engine {engine!r}, which tells no accelerations")
+    if engine != "event" and (channel != "rotation" or "accelerometers" in nuisances):
+        what = f"channel={channel!r}" if channel != "rotation" else "'accelerometers'"
+        raise ValueError(f"{what}: want 'rotation' alone of the engine {engine!r}, which tells no accelerations")
 
 
 def make_campaign(
@@ -261,6 +269,8 @@ def make_campaign(
     bench = replace(channels_of(rng, block, channel, vertical), nuisances=odd)
     if "noisy_base" in odd:
         bench = replace(bench, channels=tuple(map(_noisy_base, bench.channels)))
+    if "accelerometers" in odd and channel == "rotation":
+        bench = _with_accelerometers(bench, seed, block)
     if vertical:
         ideal = replace(ideal, table=Table(vertical=float(rng.uniform(-0.06, 0.06))))
     rate = float(rng.choice([200.0, 250.0, 250.0, 500.0]))

@@ -34,6 +34,9 @@ SIDE = Channel("side", "rotation")
 
 ANY_SIDE = 9
 
+NEAR_IMPACTS = 2.5
+"""Samples about an impact of which what accelerometers read is left out."""
+
 SHARPEST = 1e-12
 """Least variance of the square of a speed [rad^4/s^4]: a record without noise says nothing for certain either."""
 
@@ -241,7 +244,7 @@ def with_accelerometers(record: Record, test: Test, noises: Mapping[str, float],
     recorded = np.array([np.where(clipped(test.data[c.name]) | fallen, np.nan, test.data[c.name]) for c in sensors])
     observed = recorded.copy()
     for impact in record.found.impacts:
-        observed[:, np.abs(test.time - impact.time) < 2.5 * test.time_step] = np.nan
+        observed[:, np.abs(test.time - impact.time) < NEAR_IMPACTS * test.time_step] = np.nan
     small = ~(np.abs(record.rotation) > 3.0 * record.noise)
     sides = np.where(small, ANY_SIDE, np.sign(np.nan_to_num(record.rotation))).astype(np.int64)
     return replace(
@@ -316,8 +319,9 @@ def swing_windows(records: Sequence[Record], swings: int = 1) -> list[Window]:
 def whole_windows(records: Sequence[Record]) -> list[Window]:
     """Each record from its start: from rest, or from a lean that is known only so well.
 
-    Of accelerometers alone what they read before the first impact, and from there on when the side changes: readings
-    jump there, so that sums of their squares are rugged, and times of impacts are smooth in all that is to be found.
+    Of accelerometers what they read before the first impact, and from there on the rotation, or when the side changes
+    where none was read: readings jump there, so that sums of their squares are rugged, and rotations and times of
+    impacts are smooth in all that is to be found.
     """
     return [
         cut(
@@ -329,10 +333,18 @@ def whole_windows(records: Sequence[Record]) -> list[Window]:
 
 
 def _until_it_is_struck(record: Record) -> Record:
-    """The record of accelerometers alone without what they read from the first change of side on."""
-    if SIDE not in record.channels:
+    """The record without what accelerometers read from the first impact on."""
+    sensors = np.array([channel.kind == "block_acceleration" for channel in record.channels])
+    if not sensors.any():
         return record
-    changes = np.isfinite(record.observed[record.channels.index(SIDE)])
-    struck = np.logical_or.accumulate(changes)
-    sensors = np.array([channel is not SIDE for channel in record.channels])
+    if SIDE in record.channels:
+        struck = np.isfinite(record.observed[record.channels.index(SIDE)])
+    elif record.kind == "free":
+        first = min((i.time for i in record.found.impacts if math.isfinite(i.time)), default=math.inf)
+        struck = record.time > first - NEAR_IMPACTS * float(np.median(np.diff(record.time)))
+    else:
+        # Of a block that is about to rock the rotation shows no impacts as long as it is within the noise.
+        assert record.sides is not None
+        struck = record.sides != ANY_SIDE
+    struck = np.logical_or.accumulate(struck)
     return replace(record, observed=np.where(sensors[:, None] & struck, np.nan, record.observed))

@@ -87,6 +87,22 @@ def test_impacts_may_lose_more_than_housners_do(tmp_path) -> None:
         make_campaign(3, [], tmp_path, nuisances=["lossy"], engine="mujoco")
 
 
+def test_accelerometers_are_recorded_beside_the_rotation(tmp_path) -> None:
+    """At rest they read gravity along their axes, as they are mounted: cos and sin of it to first order."""
+    truth = make_campaign(2, [], tmp_path, nuisances=["accelerometers"])
+    campaign = read(tmp_path / "campaign" / "campaign.toml")
+    kinds = [c.kind for c in campaign.channels]
+    assert kinds == ["rotation", *["block_acceleration"] * 3, "base_acceleration_x"] and truth.channel == "rotation"
+    rest = next(t for t in campaign.tests if t.kind == "forced")
+    for name, turned in truth.about["mounting"].items():
+        axis = next(c for c in campaign.channels if c.name == name).axis
+        read_at_rest = float(np.mean(rest.data[name][:50]))
+        # 50 samples of 0.03 m/s^2, and the base begins to move: four standard deviations of the former, and 0.01.
+        assert read_at_rest == pytest.approx(9.80665 * (axis[1] - turned * axis[0]), abs=0.027), name
+    with pytest.raises(ValueError, match="'accelerometers': want 'rotation' alone of the engine 'mujoco'"):
+        make_campaign(2, [], tmp_path / "other", nuisances=["accelerometers"], engine="mujoco")
+
+
 def test_a_noisy_base_is_recorded_beside_a_quiet_rotation(tmp_path) -> None:
     """Four times the noise, as it is declared; the base itself moves as it did."""
     plain, noisy = (
