@@ -305,7 +305,8 @@ def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial 
     Swings have to prefer it by far, and whole records must not refuse it.  Floors that give have been asked alone, and
     of what they do together with something else one such form says little.  Where swings are left with no more than
     chance would leave, and whole records are missed, a form may still be preferred by far: what it does is little in
-    any one swing.  Where a coefficient or two say as much of the swings, no form is taken.
+    any one swing.  Where a coefficient or two say as much of the swings,
+    no form is taken that whole records do not prefer to them.
     """
     if not setup.by_rotation or not declared_noise(setup):
         return None
@@ -330,7 +331,9 @@ def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial 
                 best = found
         if best is not None:
             few = search(setup.simulator, plain, by_itself(setup.simulator, plain), tell, leading=True).best
-            return best[0] if few is None or bic(best[0].swing) < bic(few.swing) else None
+            if few is None or bic(best[0].swing) < bic(few.swing):
+                return best[0]
+            return best[0] if explains_more(setup, best[1], whole_fit(setup, few)) else None
     return None
 
 

@@ -267,12 +267,13 @@ def test_a_coefficient_is_taken_beside_what_was_found_where_it_leaves_nothing(wa
         pytest.param({"refused": True}, False, id="whole records prefer the path"),
         # A joint whose friction grows with the lean: two coefficients left 1.00 of the swings, a curve of ten no less.
         pytest.param({"few": 495.0}, False, id="swings prefer a coefficient or two"),
+        pytest.param({"few": 495.0, "prefer": True}, True, id="whole records prefer the form to them"),
         pytest.param({"few": 505.0}, True, id="a coefficient or two explain less"),
     ],
 )
 def test_a_form_is_taken_where_it_leaves_noise_of_swings_and_whole_records(ways, monkeypatch, change, taken):
     told = SimpleNamespace(rotation=True, found=True, chi2=500.0, left=1.01, whole=1.0, refused=False, declared=True)
-    told.chance, told.missed, told.few = False, 1.2, None
+    told.chance, told.missed, told.few, told.prefer = False, 1.2, None, False
     vars(told).update(change)
     ways.declared, ways.whole, ways.chance = told.declared, told.whole, told.chance
     monkeypatch.setattr(searching, "by_chance", lambda setup, trial: trial is not path or told.chance)
@@ -286,7 +287,9 @@ def test_a_form_is_taken_where_it_leaves_noise_of_swings_and_whole_records(ways,
     monkeypatch.setattr(
         searching,
         "explains_more",
-        lambda setup, one, other: told.refused and one is its_whole and other.of == form.names,
+        lambda setup, one, other: (
+            told.prefer if other.of == ("one or two",) else told.refused and one is its_whole and other.of == form.names
+        ),
     )
     asked = []
 
@@ -305,7 +308,7 @@ def test_a_form_is_taken_where_it_leaves_noise_of_swings_and_whole_records(ways,
     assert found is (form if taken else None)
     # What goes on in time is asked where curves do not explain it.
     if told.rotation and told.declared and (not told.chance or told.missed > searching.MISSED):
-        ended = (taken or told.few is not None) and told.found is True
+        ended = (taken or told.few is not None) and told.found is True  # they beat what goes on in time, too
         assert asked == (["curves"] if ended else ["curves", ("within", True)])
     else:
         assert asked == []
