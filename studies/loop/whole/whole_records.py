@@ -367,6 +367,7 @@ def hinted(
         alone = _alone(setup, onto, own)
         rest = min(alone, without, key=lambda f: f.chi2)
         helped = _helped(own, rest) | ((rest.by_window > MISSED) & (own.by_window < CLOSELY))
+        helped |= _told(own, rest, counted_together(setup, trial, own))
         if _at_the_cost_of_others(own, rest) or np.count_nonzero(helped) < records:
             continue
         rival = _as_rival(setup, onto, whole, trial.parts[-1], own, trial.every)
@@ -402,6 +403,15 @@ def _explains(own: Fit, without: Fit) -> bool:
 def _helped(own: Fit, without: Fit) -> NDArray[np.bool_]:
     """Which records an effect helps that were missed."""
     return np.asarray((without.by_window > MISSED) & (without.by_window > SPOILT * own.by_window))
+
+
+def _told(own: Fit, without: Fit, together: float) -> NDArray[np.bool_]:
+    """Which records an effect lowers by far, few as their predictable samples may be over their noise.
+
+    together: by how many times a difference of chi-square is too large, since the base moves many samples at once.
+    """
+    samples = np.array([r.size for r in own.residuals])
+    return np.asarray((without.by_window**2 - own.by_window**2) * samples > PAYS * together)
 
 
 def _at_the_cost_of_others(own: Fit, without: Fit) -> bool:
