@@ -134,7 +134,7 @@ class Finding:
     @property
     def units(self) -> str:
         """Unit of the errors."""
-        return "rad" if self.setup.by_rotation else "m/s^2"
+        return _units(self.setup)
 
     @property
     def metric(self) -> str:
@@ -142,6 +142,10 @@ class Finding:
         if self.setup.by_rotation:
             return "rms rotation, median over tests"
         return "rms of the accelerometers on the block, median over tests (no rotation was measured)"
+
+
+def _units(setup: Setup) -> str:
+    return "rad" if setup.by_rotation else "m/s^2"
 
 
 def close(
@@ -385,12 +389,18 @@ def _kept(
         return stands, verdict, by_name, ()
     chosen, its_whole = _shaped(setup, plain, chosen, tell)
     learned = settle(setup, chosen, its_whole)
-    if _carries(setup, by_name, learned):
+    now, then = (errors(setup, s.whole.model, s.whole.windows) for s in (learned, by_name))
+    what = f"what was learned ({', '.join(map(readable, chosen.names))})"
+    if not _carries(setup, by_name, learned, now.fit, then.fit):
+        said = f"{what} does not carry over whole records: it was left out"
+    elif now.holdout > then.holdout:
+        said = (
+            f"{what} lowers the error of the tests that were fitted from {then.fit:.3g} to {now.fit:.3g} "
+            f"{_units(setup)}, and raises that of those held out from {then.holdout:.3g} to {now.holdout:.3g}: it was "
+            "left out"
+        )
+    else:
         return chosen, verdict, learned, ()
-    said = (
-        f"what was learned ({', '.join(map(readable, chosen.names))}) does not carry over whole records: it was left "
-        "out"
-    )
     if over_noise(setup, stands) > structure(setup):
         return stands, "unexplained", by_name, (said,)
     return stands, "effect" if stands.parts else "none", by_name, (said,)
@@ -412,13 +422,14 @@ def _shaped(setup: Setup, plain: Trial, found: Trial, tell: Tell) -> tuple[Trial
     return found, whole
 
 
-def _carries(setup: Setup, without: Settled, found: Settled) -> bool:
+def _carries(setup: Setup, without: Settled, found: Settled, now: float, then: float) -> bool:
     """Whether a model is nearer to the whole records that were fitted than the one without what was learned.
 
     The error that is reported is a median, of which the ends of records that hang on the noise of the base may be most:
     where that does not speak for it, what is told for certain of all records may.
+
+    now, then: that error with it and without.
     """
-    now, then = (errors(setup, s.whole.model, s.whole.windows).fit for s in (found, without))
     return now < then or (setup.by_rotation and explains_more(setup, found.whole, without.whole))
 
 

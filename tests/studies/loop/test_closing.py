@@ -566,11 +566,10 @@ def test_noise_alone_leaves_by_chance_what_its_distribution_says():
     ],
 )
 def test_what_was_learned_of_swings_has_to_bring_whole_records_nearer(monkeypatch, fits, by_rotation, by_far, carries):
-    error = dict(zip(("before", "after"), fits, strict=True))
-    monkeypatch.setattr(closing, "errors", lambda setup, model, windows: SimpleNamespace(fit=error[model]))
     monkeypatch.setattr(closing, "explains_more", lambda setup, one, other: by_far and one.model == "after")
-    before, after = (SimpleNamespace(whole=SimpleNamespace(model=name, windows=())) for name in error)
-    assert closing._carries(SimpleNamespace(by_rotation=by_rotation), before, after) is carries
+    before, after = (SimpleNamespace(whole=SimpleNamespace(model=name, windows=())) for name in ("before", "after"))
+    then, now = fits
+    assert closing._carries(SimpleNamespace(by_rotation=by_rotation), before, after, now, then) is carries
 
 
 def test_what_was_taken_for_known_is_said():

@@ -441,11 +441,20 @@ def test_another_form_of_an_effect_may_take_its_place() -> None:
     ("left", "names", "verdict"),
     [(1.0, ("vdr",), "effect"), (1.0, (), "none"), (1.2, ("vdr",), "unexplained"), (1.2, (), "unexplained")],
 )
-@pytest.mark.parametrize("carries", [True, False])
+@pytest.mark.parametrize(
+    ("carries", "held_out", "why"),
+    [
+        (True, 0.001, ""),
+        (False, 0.001, "does not carry over whole records"),
+        # Gusts: 11 and 17 mrad of tests that were fitted and held out, and 8 and 88 with a curve.
+        (True, 0.09, "raises that of those held out from 0.017 to 0.09"),
+    ],
+)
 @pytest.mark.parametrize("by_search", [True, False])
 def test_names_come_back_where_what_was_learned_does_not_carry(
-    monkeypatch: pytest.MonkeyPatch, left: float, names: tuple[str, ...], verdict: str, carries: bool, by_search: bool
-) -> None:
+    monkeypatch: pytest.MonkeyPatch, left: float, names: tuple[str, ...], verdict: str, carries: bool, held_out: float,
+    why: str, by_search: bool,
+) -> None:  # fmt: skip
     """It is compared with the effects whose place it took, not with the calibrated block; theirs is the verdict."""
     plain, stands, memory = stub(chi2=5000.0), stub(*names, chi2=1000.0), stub("learned_memory", chi2=900.0)
     fit_error = {(): 0.03, ("vdr",): 0.004, ("learned_memory",): 0.002 if carries else 0.01 if names else 0.04}
@@ -458,7 +467,7 @@ def test_names_come_back_where_what_was_learned_does_not_carry(
 
     def errors(setup: object, model: tuple[str, ...], windows: object) -> SimpleNamespace:
         asked.append(model)
-        return SimpleNamespace(fit=fit_error[model])
+        return SimpleNamespace(fit=fit_error[model], holdout=held_out if "learned_memory" in model else 0.017)
 
     monkeypatch.setattr(closing, "errors", errors)
     monkeypatch.setattr(closing, "explains_more", lambda setup, found, other: False)
@@ -468,13 +477,13 @@ def test_names_come_back_where_what_was_learned_does_not_carry(
         monkeypatch.setattr(closing, "_explained", None)
     kept, said_verdict, after, said = closing._kept(setup, plain, path, settled(()), stands, None, quiet)  # type: ignore[arg-type]
     assert asked == [("learned_memory",), names]
-    if carries:
+    if not why:
         assert (kept, said_verdict, said) == (memory, "unexplained", ())
         assert after.whole.model == ("learned_memory",)
     else:
         assert (kept, said_verdict) == (stands, verdict)
         assert after.whole.model == names
-        assert "does not carry over whole records" in said[0]
+        assert why in said[0]
 
 
 def settled(names: tuple[str, ...]) -> SimpleNamespace:
