@@ -119,5 +119,5 @@ def test_trials_take_the_effects_that_it_has(capsys) -> None:
 
 
 def test_a_campaign_asks_for_a_rotation_sensor(tmp_path) -> None:
-    with pytest.raises(ValueError, match="channel='block_acceleration': want 'rotation' of the engine 'dem'"):
+    with pytest.raises(ValueError, match="channel='block_acceleration': want 'rotation' alone of the engine 'dem'"):
         make_campaign(1, ["compliant_base"], tmp_path, channel="block_acceleration", engine="dem")
