@@ -224,6 +224,8 @@ def _check_asked(effects: Sequence[str], channel: str, nuisances: Sequence[str],
             f"'lossy': want the engine 'event' with it, since in {engine!r} losses come out of the contact"
         )
     check_together(effects, engine)
+    if channel != "rotation" and "accelerometers" in nuisances:
+        raise ValueError(f"'accelerometers': want channel='rotation', beside which they are, not {channel!r}")
     if engine != "event" and (channel != "rotation" or "accelerometers" in nuisances):
         what = f"channel={channel!r}" if channel != "rotation" else "'accelerometers'"
         raise ValueError(f"{what}: want 'rotation' alone of the engine {engine!r}, which tells no accelerations")

@@ -395,9 +395,8 @@ def _kept(
         said = f"{what} does not carry over whole records: it was left out"
     elif now.holdout > then.holdout:
         said = (
-            f"{what} lowers the error of the tests that were fitted from {then.fit:.3g} to {now.fit:.3g} "
-            f"{_units(setup)}, and raises that of those held out from {then.holdout:.3g} to {now.holdout:.3g}: it was "
-            "left out"
+            f"{what} raises the error of the tests held out from {then.holdout:.3g} to {now.holdout:.3g} "
+            f"{_units(setup)}, where that of those fitted goes from {then.fit:.3g} to {now.fit:.3g}: it was left out"
         )
     else:
         return chosen, verdict, learned, ()

@@ -367,7 +367,8 @@ def hinted(
         alone = _alone(setup, onto, own)
         rest = min(alone, without, key=lambda f: f.chi2)
         helped = _helped(own, rest) | ((rest.by_window > MISSED) & (own.by_window < CLOSELY))
-        helped |= _told(own, rest, counted_together(setup, trial, own))
+        if np.count_nonzero(helped) < records:
+            helped |= _told(own, rest, counted_together(setup, trial, own))
         if _at_the_cost_of_others(own, rest) or np.count_nonzero(helped) < records:
             continue
         rival = _as_rival(setup, onto, whole, trial.parts[-1], own, trial.every)

@@ -101,6 +101,8 @@ def test_accelerometers_are_recorded_beside_the_rotation(tmp_path) -> None:
         assert read_at_rest == pytest.approx(9.80665 * (axis[1] - turned * axis[0]), abs=0.027), name
     with pytest.raises(ValueError, match="'accelerometers': want 'rotation' alone of the engine 'mujoco'"):
         make_campaign(2, [], tmp_path / "other", nuisances=["accelerometers"], engine="mujoco")
+    with pytest.raises(ValueError, match="'accelerometers': want channel='rotation'"):
+        make_campaign(2, [], tmp_path / "other", nuisances=["accelerometers"], channel="block_acceleration")
 
 
 def test_a_noisy_base_is_recorded_beside_a_quiet_rotation(tmp_path) -> None:

@@ -447,7 +447,7 @@ def test_another_form_of_an_effect_may_take_its_place() -> None:
         (True, 0.001, ""),
         (False, 0.001, "does not carry over whole records"),
         # Gusts: 11 and 17 mrad of tests that were fitted and held out, and 8 and 88 with a curve.
-        (True, 0.09, "raises that of those held out from 0.017 to 0.09"),
+        (True, 0.09, "raises the error of the tests held out from 0.017 to 0.09 rad"),
     ],
 )
 @pytest.mark.parametrize("by_search", [True, False])
