@@ -59,7 +59,7 @@ def check(lab: Lab) -> None:
     """
     refuse(lab.world, FOREIGN, "of the engine 'dem'")
     refuse(lab.table, ("pitch_acceleration", "pitch_displacement"), "of the engine 'dem'")
-    refuse(lab, ("wear",), "of the engine 'dem'")
+    refuse(lab, ("wear", "courses"), "of the engine 'dem'")
     _springs_under_corners(lab.world)
     _uniform(lab.world)
 

@@ -55,7 +55,7 @@ def check(lab: Lab) -> None:
     """
     refuse(lab.world, FOREIGN, "of the engine 'mujoco'")
     refuse(lab.table, ("pitch_acceleration", "pitch_displacement"), "of the engine 'mujoco'")
-    refuse(lab, ("wear",), "of the engine 'mujoco'")  # restitution is what comes out of the contact
+    refuse(lab, ("wear", "courses"), "of the engine 'mujoco'")  # restitution is what comes out of the contact
 
 
 def _edges(world: World) -> Iterator[str]:

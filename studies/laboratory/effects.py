@@ -47,6 +47,23 @@ def _behind(theta: np.ndarray, play: float) -> np.ndarray:
     return out
 
 
+@dataclass(frozen=True)
+class Course:
+    """How one of the numbers of a laboratory changes in the course of a campaign."""
+
+    of: str  # "world" or "sensors"
+    name: str
+    change: float  # from one test to the next, or all at once
+    fading: float = 0.0  # by which each such change is less than the one before, as exp(-fading)
+    before: int = 0  # the test before which it happens all at once; from test to test if 0
+
+    def after(self, tests: int) -> float:
+        """What has come about after so many tests."""
+        if self.before:
+            return self.change if tests >= self.before else 0.0
+        return self.change * sum(math.exp(-self.fading * k) for k in range(tests))
+
+
 GRIPS = 1.4
 """Friction of corners on springs where none is declared: they slip where they are about to leave, and hardly else."""
 
@@ -60,6 +77,7 @@ class Lab:
     sensors: Sensors = field(default_factory=Sensors)
     engine: str = "event"
     wear: float = 0.0  # loss of restitution from one test to the next
+    courses: tuple[Course, ...] = ()
     uses: tuple[float, ...] = ()  # rad^2/s^2, of a block that is ground: use before each test in order, and after all
     grip: float = GRIPS  # friction of corners on springs
 
@@ -276,6 +294,31 @@ def wear(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     return replace(lab, wear=min(0.012, k * d.between(0.001, 0.004))), {}
 
 
+def crumbling_edges(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
+    """The edges lose a little in each test, ever less."""
+    lost = min(0.01, k * d.between(0.001, 0.004)) * lab.world.half_breadth
+    return replace(lab, courses=(*lab.courses, Course("world", "half_breadth", -lost, 0.05 + 0.3 * d.other))), {}
+
+
+def settling_floor(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
+    """The floor is level at first, and leans a little more after each test."""
+    angle = d.sign * min(0.02 * lab.world.alpha, k * d.between(0.0002, 0.001))
+    return replace(lab, courses=(*lab.courses, Course("world", "tilt", angle))), {}
+
+
+def shifted_load(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
+    """Something in the block goes to another place in the middle of the campaign."""
+    offset = d.sign * min(0.1, k * d.between(0.006, 0.02)) * lab.world.half_breadth
+    moved = Course("world", "offset", offset, before=3 + int(4 * d.other))
+    return replace(lab, courses=(*lab.courses, moved)), {}
+
+
+def warming_sensor(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
+    """The rotation sensor has another gain in each test as it warms up."""
+    gain = d.sign * min(0.05, k * d.between(0.002, 0.01))
+    return replace(lab, courses=(*lab.courses, Course("sensors", "rotation_gain", gain, 0.1 + 0.3 * d.other))), {}
+
+
 def cubic_torque(lab: Lab, d: Draw, k: float) -> tuple[Lab, Parameters]:
     w = lab.world
     p2 = w.mass * w.gravity * np.hypot(w.half_breadth, w.centre_height) / w.corner_inertia
@@ -413,6 +456,7 @@ UNNAMED: dict[str, Effect] = {
         restitution_by_side, wear, cubic_torque, hinge_friction, one_sided_friction, one_sided_damping, squeezed_air,
         one_sided_brake, leaking_restitution, bedding_in, grinding, heedful_impacts, one_sided_cable, ribbed_cable,
         magnet, hysteretic_layer, slosh, curved_sensor, loose_linkage, coupled_sensor, sprung_table, gusts,
+        crumbling_edges, settling_floor, shifted_load, warming_sensor,
     )
 }  # fmt: skip
 

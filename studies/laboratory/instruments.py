@@ -11,7 +11,7 @@ from studies.campaigns import Channel, Test
 
 from .effects import Lab
 from .event import Response, field
-from .plans import Plan
+from .plans import Plan, worn
 from .table import felt_by_motion
 
 Array = np.ndarray
@@ -82,6 +82,7 @@ def acceleration(lab: Lab, response: Response, felt: Array, channel: Channel, be
 
 def reading(lab: Lab, plan: Plan, response: Response, channel: Channel, bench: Bench) -> Array | None:
     """Noise-free samples of a channel; None where a test has none (a free test has no base channel)."""
+    lab = worn(lab, plan.order)
     if channel.kind == "rotation":
         return lab.sensors.reads(response.rotation)
     if channel.kind == "block_acceleration":

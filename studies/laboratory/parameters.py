@@ -91,13 +91,13 @@ INDEX = {f.name: k for k, f in enumerate(fields(World))}
 
 
 def refuse(world: object, foreign: tuple[str, ...], which: str) -> None:
-    """Of the numbers named, each zero where its effect is absent, none may be there.
+    """Of the numbers named, each zero (or nothing) where its effect is absent, none may be there.
 
     Raises:
         ValueError: one is.
     """
     for name in foreign:
-        if getattr(world, name) != 0.0:
+        if getattr(world, name) not in (0.0, ()):
             raise ValueError(f"{name}={getattr(world, name)!r}: not in the laboratory {which}")
 
 

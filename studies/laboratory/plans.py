@@ -60,6 +60,10 @@ def check_together(effects: Iterable[str], engine: str = "event") -> None:
 
 def worn(lab: Lab, order: int) -> Lab:
     """The laboratory as it is at the time of a test."""
+    for course in lab.courses:
+        of = getattr(lab, course.of)
+        changed = {course.name: getattr(of, course.name) + course.after(order)}
+        lab = replace(lab, **{course.of: replace(of, **changed)})
     if lab.uses:
         lab = replace(lab, world=replace(lab.world, used=lab.uses[order]))
     if not lab.wear:

@@ -54,7 +54,7 @@ def response(lab: Lab, test: Test, lean: float, order: int = 0, pieces: Array | 
 
 def predicted(lab: Lab, test: Test, lean: float, order: int = 0, pieces: Array | None = None) -> Array:
     """Rotation as recorded (gain and offset of its sensor included), shape (time,); NaN after a fall."""
-    return lab.sensors.reads(response(lab, test, lean, order, pieces).rotation)
+    return worn(lab, order).sensors.reads(response(lab, test, lean, order, pieces).rotation)
 
 
 def predicted_accelerations(lab: Lab, test: Test, lean: float, order: int, bench: Bench) -> dict[str, Array]:
@@ -62,6 +62,7 @@ def predicted_accelerations(lab: Lab, test: Test, lean: float, order: int, bench
     moved = response(lab, test, lean, order)
     floor = felt(replace(lab, table=replace(lab.table, gusts=())), test)  # what the air does moves the block alone
     sensors = (channel for channel in bench.channels if channel.kind == "block_acceleration")
+    lab = worn(lab, order)
     return {channel.name: acceleration(lab, moved, floor, channel, bench) for channel in sensors}
 
 

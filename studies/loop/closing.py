@@ -6,7 +6,7 @@ Status   campaigns with records of the response; `studies.loop.outcomes.closing`
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -17,6 +17,7 @@ from studies.campaigns import Campaign
 from studies.campaigns.lost_base import used
 from studies.loop.fits.fitting import Fit
 from studies.loop.learned_curves import Curve, curves
+from studies.loop.models.candidates import Candidate
 from studies.loop.models.model import LoopModel
 from studies.loop.models.names import readable
 from studies.loop.observed.spread import floors
@@ -83,6 +84,9 @@ TOLD_APART = 2.0
 """Difference of the criterion of swings below which they say nothing of two trials.
 
 Source: Kass & Raftery (1995), J. Am. Stat. Assoc. 90, 773-795: "not worth more than a bare mention"."""
+
+REFUTED = 1.5
+"""Held-out error over what a true model would score from which it can refute an effect: what this project aims at."""
 
 STANDARD_GRAVITY = 9.81
 """Gravity [m/s^2] where the laboratory does not say its own."""
@@ -206,12 +210,15 @@ def close(
     scored = [scored_window(setup.records, w) for w in leaning(setup, after.whole.model, setup.whole_held)]
     lean_sds = _lean_sds(setup, after.whole.model)
     own_floors = floors(setup.simulator, setup.noisy, len(campaign.tests), after.whole.model, scored, lean_sds)
+    verdict, refuted = _of_held_out(setup, verdict, chosen, all_errors, median(own_floors))
+    sure = intervals(chosen, after)
+    verdict, unsure = _of_intervals(verdict, chosen, sure)
     return Finding(
         setup, verdict, declared, models["before"], models["after"], before.whole, after.whole, chosen, rivals,
         twins(rivals, named.trial), tuple(rounds), named.rounds or tuple(rounds[:1]), all_errors, median(own_floors),
-        intervals(chosen, after),
+        sure,
         (
-            *setup.notes, *_of_the_search(path, stands), *named.said, *said, *_of_forms(rivals),
+            *setup.notes, *_of_the_search(path, stands), *named.said, *said, *refuted, *unsure, *_of_forms(rivals),
             *_of_what_is_assumed(chosen), *unlearned, *_unseen(setup),
         ),
         after,
@@ -391,7 +398,8 @@ def _kept(
     learned = settle(setup, chosen, its_whole)
     now, then = (errors(setup, s.whole.model, s.whole.windows) for s in (learned, by_name))
     what = f"what was learned ({', '.join(map(readable, chosen.names))})"
-    if not _carries(setup, by_name, learned, now.fit, then.fit):
+    carries = _carries(setup, by_name, learned, now.fit, then.fit)
+    if not carries:
         said = f"{what} does not carry over whole records: it was left out"
     elif now.holdout > then.holdout:
         said = (
@@ -400,7 +408,9 @@ def _kept(
         )
     else:
         return chosen, verdict, learned, ()
-    if over_noise(setup, stands) > structure(setup):
+    # What explains more of the fitted tests than the names do is no truer for that, and nor are the names.
+    doubted = bool(stands.parts) and carries
+    if doubted or over_noise(setup, stands) > structure(setup):
         return stands, "unexplained", by_name, (said,)
     return stands, "effect" if stands.parts else "none", by_name, (said,)
 
@@ -462,6 +472,47 @@ def _of_whole_records(
     return "unexplained" if len(by_them) == len(chosen.names) else verdict, notes
 
 
+def _of_held_out(
+    setup: Setup, verdict: Verdict, chosen: Trial, found: Mapping[str, Errors], floor: float
+) -> tuple[Verdict, tuple[str, ...]]:
+    """The verdict once the held-out tests are predicted, and what is to be said of them.
+
+    They have no say in what the model is; but what does not lower their error, where more than the noise is left to
+    lower, is not what acts, however well it fits the others.
+
+    found: errors before and after.
+    floor: what the model after would score on them if it were true.
+    """
+    before, after = found["before"].holdout, found["after"].holdout
+    if verdict != "effect" or not (after >= before and after > REFUTED * floor):
+        return verdict, ()
+    return "unexplained", (
+        f"{' and '.join(map(readable, chosen.names))} lowers the error of the tests that were fitted from "
+        f"{found['before'].fit:.3g} to {found['after'].fit:.3g} {_units(setup)}, and not that of the tests held out, "
+        f"{before:.3g} before and {after:.3g} after: something else acts",
+    )
+
+
+def _of_intervals(
+    verdict: Verdict, chosen: Trial, sure: Mapping[str, tuple[float, float, float]]
+) -> tuple[Verdict, tuple[str, ...]]:
+    """The verdict once it is known how sure the parameters are: what may be nothing at all is no effect that was found.
+
+    sure: value and ends of the interval of each parameter.
+    """
+
+    def may_be_nothing(part: Candidate) -> bool:
+        absent = part.absent(chosen.swing.model.declared)
+        return all(sure[p.name][1] <= absent[p.name] <= sure[p.name][2] for p in part.parameters)
+
+    if verdict != "effect" or not all(may_be_nothing(part) for part in chosen.parts):
+        return verdict, ()
+    return "unexplained", (
+        f"the intervals of {' and '.join(map(readable, chosen.names))} hold its absence: it may not be there, and "
+        "the ideal block does not explain the records",
+    )
+
+
 def _borne_out(setup: Setup, rivals: Sequence[Rival], chosen: Trial, whole: Fit) -> tuple[Rival, ...]:
     """The rivals, the best first: none before the chosen trial that whole records refuse.
 
@@ -514,6 +565,6 @@ def _lean_sds(setup: Setup, model: LoopModel) -> list[float]:
     """Standard deviations of the leans of held-out tests [rad], as the model takes the sensor that read them."""
     # Where it was read, `theta_sd` is twice the standard deviation of the estimate.
     return [
-        0.5 * w.theta_sd / abs(float(model.reading_slope(w.theta))) if w.lean_read else w.theta_sd
+        0.5 * w.theta_sd / abs(float(model.in_test(w.test).reading_slope(w.theta))) if w.lean_read else w.theta_sd
         for w in setup.whole_held
     ]

@@ -71,7 +71,8 @@ def of_onset(
     out: Variables = {"onset": ((), seen, {"units": "s", "long_name": f"{text}, measured"})}
     for stage, model, answer in zip(("before", "after"), models, answers, strict=True):
         reading = finding.setup.simulator.recorded(model, record.test, answer.theta)
-        when = onset(record.time, reading, level, float(model.reading(0.0)))
+        at_rest_then = float(finding.setup.simulator.in_test(model, record.test).reading(0.0))
+        when = onset(record.time, reading, level, at_rest_then)
         out[f"onset_residual_{stage}"] = (
             (), seen - when, {"units": "s", "long_name": f"{text}, measured less modelled, {stage}"}
         )  # fmt: skip

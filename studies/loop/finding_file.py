@@ -7,9 +7,9 @@ import math
 from pathlib import Path
 from typing import Any
 
-from rocking.effects import load
 from studies.loop.closing import Finding
 from studies.loop.models.model import DRIFT, FADING, MOUNTING
+from studies.loop.models.names import parameter_units
 from studies.running.files import save_text
 from studies.running.json_values import json_values
 
@@ -24,8 +24,13 @@ def as_json(finding: Finding, next_test: str) -> dict[str, Any]:
         effect, _, parameter = name.partition(".")
         # A restitution that drifts from test to test is learned, and of no effect's own parameters.
         if (parameter and effect != MOUNTING) or name in (DRIFT, FADING):
-            units = load(effect).units.get(parameter, "1") if parameter else "1"
-            parameters[name] = {"value": value, "low": low, "high": high, "units": units, "level": 0.95}
+            parameters[name] = {
+                "value": value,
+                "low": low,
+                "high": high,
+                "units": parameter_units(name),
+                "level": 0.95,
+            }
     errors = {name: {"fit": e.fit, "holdout": e.holdout} for name, e in finding.errors.items()}
     content = {
         "verdict": finding.verdict,

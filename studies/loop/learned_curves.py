@@ -26,7 +26,8 @@ from studies.loop.learned_in_time import (
     ringing,
     there_and_back,
 )
-from studies.loop.models.model import DRIFT, FADING, LoopModel
+from studies.loop.models.model import CHANGE, DRIFT, FADING, LoopModel
+from studies.loop.models.names import parameter_units, readable
 from studies.loop.observed.windows import struck_before
 from studies.loop.records.preparing import Setup
 from studies.loop.swings.learning import (
@@ -171,6 +172,7 @@ def curves(setup: Setup, settled: Settled) -> tuple[Curve, ...]:
     if f"{MEMORY}.worn" in held:
         found.append(_worn(setup, settled, held))
     found += _in_time(setup, settled, held)
+    found += _in_the_course(setup, settled, held)
     if DRIFT in held:
         part = _Part(
             "Restitution against the number of the test", "What is added to the restitution as the campaign goes on.",
@@ -186,6 +188,30 @@ def curves(setup: Setup, settled: Settled) -> tuple[Curve, ...]:
             rows = np.array([tests, drift * (x * np.exp(-fading * x) - tests) / fading])
             found.append(_banded(part, x, drift * tests, rows, [held[DRIFT], held[FADING]], settled))
     return tuple(found)
+
+
+def _in_the_course(setup: Setup, settled: Settled, held: Mapping[str, int]) -> list[Curve]:
+    """What changes from test to test, by parameter."""
+    model, found = settled.whole.model, []
+    x = np.arange(len(setup.campaign.tests), dtype=np.float64)
+    for full in model.changes:
+        effect, _, parameter = full.partition(".")
+        own = [name for name in held if name == full or (name.startswith(f"{CHANGE}.") and name.endswith(f".{full}"))]
+        if not own:
+            continue
+
+        def draw(model: LoopModel, effect: str = effect, parameter: str = parameter) -> Array:
+            there = [model.in_test(k) for k in range(x.size)]
+            return np.array([m.effects_now[effect][parameter] if parameter else m.restitution_now for m in there])
+
+        words = f"{readable(effect)}: {parameter.replace('_', ' ')}" if parameter else "Restitution"
+        part = _Part(
+            f"{words} against the number of the test", "What it is in each test, in the order in which they were done.",
+            "tests done before", f"{words.lower()} [{parameter_units(full)}]", {},
+        )  # fmt: skip
+        rows = by_parameters(draw, model, own)
+        found.append(_banded(part, x, draw(model), rows, [held[name] for name in own], settled))
+    return found
 
 
 def _in_time(setup: Setup, settled: Settled, held: Mapping[str, int]) -> list[Curve]:

@@ -90,9 +90,10 @@ def write_predictions(
                 columns[channel.name] = accelerations(model, simulator, k, answer, channel)
         times = recorded.tests[k].time
         _write_csv(folder / f"{test.id}.csv", times, columns, answer)
-        overturned, when = answer.falls_on(model.system), answer.overturning_time
+        system = simulator.in_test(model, k).system
+        overturned, when = answer.falls_on(system), answer.overturning_time
         if overturned and not answer.fell:
-            when = answer.passes_balance(model.system, test.time)
+            when = answer.passes_balance(system, test.time)
         summary[test.id] = {"overturned": overturned, "time": None if math.isnan(when) else when}
         if answer.failed:
             last = test.time[np.flatnonzero(np.isfinite(answer.y[:, 0]))].max(initial=test.time[0])

@@ -19,6 +19,7 @@ from studies.loop.fits.linearising import (
     HUBER,
     ROBUST,
     Linear,
+    Prior,
     about,
     left_over,
     linearised,
@@ -77,29 +78,81 @@ def gains(
     Returns:
         The gain by candidate; infinite for one that does not run at its absent value or a difference away from it.
     """
-    weights, windows = weights_of(fitted.residuals, huber, False), fitted.windows
-    plain = linearised(simulator, fitted.model, fitted.parameters, windows)
-    k, out = len(fitted.parameters), {}
+    plain = linearised(simulator, fitted.model, fitted.parameters, fitted.windows)
+    out = {}
     for name, parameters in candidates.items():
-        try:
-            # One-sided: a score ranks, and costs half for many parameters.
-            models, ends = about(model_of[name], parameters, False)
-            read = [x for model in models for x in read_of(simulator, model, windows)]
-        except ValueError:
-            out[name] = math.inf
-            continue
-        own = slopes(left_over(read, windows, len(models)), ends)
-        known = [
-            one and other and replace(one, by_parameters=np.append(one.by_parameters, other.by_parameters))
-            for one, other in zip(plain.priors, priors(models, ends, windows), strict=True)
-        ]
-        both = [np.hstack(pair) for pair in zip(plain.by_parameters, own, strict=True)]
-        matrix, gradient, _ = reduced(Linear(plain.residuals, both, plain.by_state, known), windows, weights)
-        inverse = np.linalg.pinv(matrix[:k, :k]) if k else np.zeros((0, 0))
-        left = matrix[k:, k:] - matrix[k:, :k] @ inverse @ matrix[:k, k:]
-        g = gradient[k:] - matrix[k:, :k] @ inverse @ gradient[:k]
-        out[name] = float(g @ np.linalg.pinv(left, rcond=1e-10) @ g)
+        beside = _slopes_beside(simulator, fitted, model_of[name], parameters)
+        out[name] = math.inf if beside is None else _gained(fitted, plain, *beside, huber)
     return out
+
+
+def gains_of_changes(
+    simulator: Simulator,
+    fitted: Fit,
+    candidates: Mapping[str, Sequence[Parameter]],
+    model_of: Mapping[str, LoopModel],
+    courses: Mapping[str, Array],
+    huber: float = HUBER,
+) -> dict[tuple[str, str], float]:
+    """Score test of parameters that change in the course of a campaign, as of `gains`.
+
+    Args:
+        fitted: the fit without the candidates.
+        candidates: parameters by candidate, each with a change of its own.
+        model_of: for each candidate the model with its effect in it, at its absent value or as fitted.
+        courses: by how much of itself a change has come about in each test, by course; shape (test,).
+        huber: as of the fit.
+
+    Returns:
+        The gain by candidate and course; none of a candidate that does not run there.
+    """
+    plain = linearised(simulator, fitted.model, fitted.parameters, fitted.windows)
+    tests, out = [w.test for w in fitted.windows], {}
+    for name, parameters in candidates.items():
+        beside = _slopes_beside(simulator, fitted, model_of[name], parameters)
+        if beside is None:
+            continue
+        own, known = beside
+        for course, share in courses.items():
+            changed = [np.hstack([x, share[test] * x]) for x, test in zip(own, tests, strict=True)]
+            priors_changed = [
+                p and replace(p, by_parameters=np.append(p.by_parameters, share[test] * p.by_parameters))
+                for p, test in zip(known, tests, strict=True)
+            ]
+            out[name, course] = _gained(fitted, plain, changed, priors_changed, huber)
+    return out
+
+
+_Beside = tuple[list[Array], list[Prior | None]]
+"""Derivatives by the parameters of a candidate, by window, and what is known of the states by them."""
+
+
+def _slopes_beside(
+    simulator: Simulator, fitted: Fit, model: LoopModel, parameters: Sequence[Parameter]
+) -> _Beside | None:
+    """Those of a candidate at a fit that lacks it; None where it does not run there or a difference away."""
+    try:
+        # One-sided: a score ranks, and costs half for many parameters.
+        models, ends = about(model, parameters, False)
+        read = [x for each in models for x in read_of(simulator, each, fitted.windows)]
+    except ValueError:
+        return None
+    return slopes(left_over(read, fitted.windows, len(models)), ends), priors(models, ends, fitted.windows)
+
+
+def _gained(fitted: Fit, plain: Linear, own: Sequence[Array], known: Sequence[Prior | None], huber: float) -> float:
+    """By how much chi-square falls to first order, what is fitted already and the states projected off."""
+    weights, k = weights_of(fitted.residuals, huber, False), len(fitted.parameters)
+    both_known = [
+        one and other and replace(one, by_parameters=np.append(one.by_parameters, other.by_parameters))
+        for one, other in zip(plain.priors, known, strict=True)
+    ]
+    both = [np.hstack(pair) for pair in zip(plain.by_parameters, own, strict=True)]
+    matrix, gradient, _ = reduced(Linear(plain.residuals, both, plain.by_state, both_known), fitted.windows, weights)
+    inverse = np.linalg.pinv(matrix[:k, :k]) if k else np.zeros((0, 0))
+    left = matrix[k:, k:] - matrix[k:, :k] @ inverse @ matrix[:k, k:]
+    g = gradient[k:] - matrix[k:, :k] @ inverse @ gradient[:k]
+    return float(g @ np.linalg.pinv(left, rcond=1e-10) @ g)
 
 
 def robust_covariance(simulator: Simulator, noisy: Simulator, found: Fit) -> Array:

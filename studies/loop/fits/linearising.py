@@ -80,6 +80,7 @@ def prior(model: LoopModel, window: Window) -> float:
     """The residual that what is known of the start adds [1]; 0 where nothing is."""
     if not 0.0 < window.theta_sd < math.inf:
         return 0.0
+    model = model.in_test(window.test)
     said = model.at_peak(window.theta) if window.lean_read else window.theta
     return (window.theta_prior - said) / window.theta_sd
 
@@ -106,7 +107,7 @@ def priors(models: Sequence[LoopModel], ends: Sequence[Ends], windows: Sequence[
             out.append(None)
             continue
         each = [prior(model, w) for model in models]
-        slope = float(models[0].reading_slope(w.theta)) if w.lean_read else 1.0
+        slope = float(models[0].in_test(w.test).reading_slope(w.theta)) if w.lean_read else 1.0
         rows = np.array([(each[e.up] - each[e.down]) / e.apart for e in ends])
         out.append(Prior(each[0], rows, -slope / w.theta_sd))
     return out

@@ -19,7 +19,7 @@ from rocking.effects import load
 from rocking.form import Form
 from rocking.soft_floor import BlockOnSoftFloor
 from studies.campaigns import DeclaredBlock
-from studies.loop.models.model import RESTITUTION, LoopModel
+from studies.loop.models.model import CHANGE, RESTITUTION, LoopModel
 from studies.loop.models.parameters import UNEVEN, Parameter
 
 
@@ -60,13 +60,14 @@ class Candidate:
         """Full names and values of the parameters at which it is not there."""
         if all("." not in p.name for p in self.parameters):
             return {p.name: 0.0 for p in self.parameters}
-        values = load(self.effect).absent(_block(block))
-        if self.effect == "mass_distribution":  # what is declared is there without it
-            values = {"height": block.centre_height, "inertia": block.I_c}
-        every = {self.effect: values} | {name: load(name).absent(_block(block)) for name in self.also}
-        return {f"{effect}.{name}": value for effect, own in every.items() for name, value in own.items()} | dict(
-            self.fixed
-        )
+        values = {
+            effect: load(effect).absent(_block(block)) for effect in (self.effect, *self.also) if effect != CHANGE
+        }
+        if "mass_distribution" in values:  # what is declared is there without it
+            values["mass_distribution"] = {"height": block.centre_height, "inertia": block.I_c}
+        every = {f"{effect}.{name}": value for effect, own in values.items() for name, value in own.items()}
+        unchanged = {p.name: 0.0 for p in self.parameters if p.name.startswith(f"{CHANGE}.")}
+        return every | unchanged | dict(self.fixed)
 
 
 def _block(declared: DeclaredBlock):  # type: ignore[no-untyped-def]
@@ -112,6 +113,8 @@ def _of_the_block(block: DeclaredBlock) -> tuple[Candidate, ...]:
         ),
     )  # fmt: skip
 
+
+OF_THE_ROTATION_SENSOR = ("rotation_gain", "rotation_offset")
 
 FLOORS = 5
 """Floors that give from which a fit begins: those that explain most of some swings as they are."""

@@ -31,6 +31,11 @@ GRAVITY = "gravity"
 MOUNTING = "mounting"
 """What the full names of mounting angles begin with: "mounting.CHANNEL"."""
 
+CHANGE = "learned_change"
+"""What the full names of changes in the course of a campaign begin with: "learned_change.HOW.PARAMETER".
+
+It is no effect by itself: a parameter of one, or the restitution, is another in each test."""
+
 SLOPE_STEP = 0.01
 """Step of a derivative of the reading [rad]: exact up to the fourth power, and far above rounding."""
 
@@ -42,6 +47,42 @@ ENOUGH = 1e-14
 
 ALONG = 9
 """Places between none and a rotation at which its reading has to grow."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """How a parameter changes from test to test: evenly, ever less, or all at once.
+
+    It goes by the number of the test, or by what impacts have taken until then, in tests with an average of that.
+
+    Args:
+        per_test: from the first test to the next [unit of the parameter].
+        fading: by how much that fades from test to test, as exp(-fading number) [1]: 0 goes on for ever, more comes to
+            an end, per_test / fading away.
+        step: what is added all at once [unit of the parameter].
+        from_test: number of the first test that has the step [1].
+        by_use: 1 where `per_test` goes by what impacts took, 0 where by the number of the test.
+        low, high: what the parameter does not pass.
+    """
+
+    per_test: float = 0.0
+    fading: float = 0.0
+    step: float = 0.0
+    from_test: float = 1.0
+    by_use: float = 0.0
+    low: float = -math.inf
+    high: float = math.inf
+
+    def at(self, value: float, number: int, use: float) -> float:
+        """The parameter in a test of a number and after some use, which is `value` before all of them."""
+        stepped = self.step if number >= self.from_test else 0.0
+        gone = float(faded(use if self.by_use else number, self.fading))
+        return min(max(value + self.per_test * gone + stepped, self.low), self.high)
+
+
+def faded(number: Any, fading: float) -> Any:
+    """The number of a test as a change counts it that fades: how many times the first one it has added up to [1]."""
+    return number if fading == 0.0 else -np.expm1(-fading * np.asarray(number)) / fading
 
 
 @dataclass(frozen=True)
@@ -59,6 +100,10 @@ class LoopModel:
         number: of the test [1], counted from the first of the campaign that was learned from.
         mountings: how far accelerometers on the block are turned from their declared axes, by channel [rad], clockwise
             as the rotation of the block.
+        changes: how parameters of effects change in the course of the campaign, by full name, as arguments of `Change`;
+            what `effects` says of them, and `restitution`, is of the first test.
+        uses: what impacts had taken by the middle of each test of the campaign that was learned from, over what they
+            took in one test on average [1]; later ones are taken for average.
     """
 
     declared: DeclaredBlock
@@ -69,6 +114,8 @@ class LoopModel:
     number: int = 0
     mountings: Mapping[str, float] = field(default_factory=dict)
     fading: float = 0.0
+    changes: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    uses: tuple[float, ...] = ()
 
     @cached_property
     def block(self) -> Block:
@@ -79,7 +126,7 @@ class LoopModel:
     @cached_property
     def parts(self) -> tuple[Effect, ...]:
         """The effects as objects; what the declaration says of the mass is one of them."""
-        given = {name: dict(parameters) for name, parameters in self.effects.items()}
+        given = self.effects_now
         declared = {"height": self.declared.centre_of_mass_height, "inertia": self.declared.inertia}
         known = {name: value for name, value in declared.items() if value is not None}
         if known:
@@ -96,15 +143,44 @@ class LoopModel:
         return compose(Method1(self.block, restitution=self.restitution_now, g=self.g), self.parts)
 
     @property
+    def effects_now(self) -> dict[str, dict[str, float]]:
+        """Parameters by name, by effect, in this test."""
+        given = {name: dict(parameters) for name, parameters in self.effects.items()}
+        for full, change in self.changes.items():
+            effect, _, parameter = full.partition(".")
+            if effect in given:
+                given[effect][parameter] = Change(**change).at(given[effect][parameter], self.number, self.use)
+        return given
+
+    @property
+    def use(self) -> float:
+        """What impacts have taken by the middle of this test, as of `uses`; its number where none is known."""
+        last = len(self.uses) - 1
+        return float(self.number) if last < 0 else self.uses[min(self.number, last)] + max(0, self.number - last)
+
+    @property
     def restitution_now(self) -> float:
         """Restitution in this test [1], within 0 and 1."""
-        fading = self.fading
-        tests = self.number if fading == 0.0 else -math.expm1(-fading * self.number) / fading
-        return min(max(self.restitution + self.drift * tests, 0.0), 1.0)
+        drifted = self.restitution + self.drift * float(faded(self.number, self.fading))
+        return min(max(Change(**self.changes.get(RESTITUTION, {})).at(drifted, self.number, self.use), 0.0), 1.0)
 
     def in_test(self, number: int) -> LoopModel:
         """The model in the test of that number after its own; itself where nothing drifts."""
-        return self if self.drift == 0.0 else replace(self, number=self.number + number)
+        if not self.varies or number == 0:
+            return self
+        if number not in self._in_tests:
+            self._in_tests[number] = replace(self, number=self.number + number)
+        return self._in_tests[number]
+
+    @property
+    def varies(self) -> bool:
+        """Whether it is another one in another test."""
+        return self.drift != 0.0 or bool(self.changes)
+
+    @cached_property
+    def _in_tests(self) -> dict[int, LoopModel]:
+        """The models in other tests as far as they were asked for, by how many tests later these are."""
+        return {}
 
     def base(self, motion: BaseMotion, span: tuple[float, float]) -> BaseMotion:
         """What the base really did when this was recorded of it."""
@@ -185,6 +261,9 @@ class LoopModel:
         effect, _, parameter = name.partition(".")
         if effect == MOUNTING:
             return float(self.mountings.get(parameter, 0.0))
+        if effect == CHANGE:
+            how, _, changed = parameter.partition(".")
+            return float(self.changes.get(changed, {}).get(how, getattr(Change(), how)))
         return float(self.effects[effect][parameter])
 
     def changed(self, values: Mapping[str, float]) -> LoopModel:
@@ -192,14 +271,19 @@ class LoopModel:
         effects = {name: dict(parameters) for name, parameters in self.effects.items()}
         own = {RESTITUTION: self.restitution, DRIFT: self.drift, FADING: self.fading, GRAVITY: self.g}
         mountings = dict(self.mountings)
+        changes = {name: dict(change) for name, change in self.changes.items()}
         for name, value in values.items():
             if name in own:
                 own[name] = float(value)
                 continue
             effect, _, parameter = name.partition(".")
+            if effect == CHANGE:
+                how, _, changed = parameter.partition(".")
+                changes.setdefault(changed, {})[how] = float(value)
+                continue
             table = mountings if effect == MOUNTING else effects.setdefault(effect, {})
             table[parameter] = float(value)
         return replace(
             self, restitution=own[RESTITUTION], drift=own[DRIFT], fading=own[FADING], g=own[GRAVITY], effects=effects,
-            mountings=mountings,
+            mountings=mountings, changes=changes,
         )  # fmt: skip

@@ -21,12 +21,12 @@ import tomli_w
 from rocking.effects import available, load
 from studies.campaigns import DeclaredBlock
 from studies.campaigns.errors import shown
-from studies.loop.models.model import LoopModel
+from studies.loop.models.model import RESTITUTION, Change, LoopModel
 from studies.running.files import save_text
 from studies.running.toml_file import read_toml
 
-TABLES = ("title", "block", "model", "effects", "mountings", "outcomes")
-MODEL_KEYS = ("restitution", "gravity", "restitution_drift", "restitution_drift_fading", "number")
+TABLES = ("title", "block", "model", "effects", "changes", "mountings", "outcomes")
+MODEL_KEYS = ("restitution", "gravity", "restitution_drift", "restitution_drift_fading", "number", "uses")
 
 
 class ModelError(ValueError):
@@ -49,6 +49,9 @@ def write_model(model: LoopModel, path: Path, title: str = "", more: Mapping[str
         "effects": {name: dict(parameters) for name, parameters in model.effects.items()},
         "mountings": dict(model.mountings),
     }
+    if model.changes:
+        content["changes"] = {name: asdict(Change(**change)) for name, change in model.changes.items()}
+        content["model"]["uses"] = [*model.uses]
     save_text(tomli_w.dumps(content | dict(more or {})), path)
 
 
@@ -79,6 +82,8 @@ def read_model(path: Path) -> LoopModel:
         int(_number(path, "model.number", model.get("number", 0))),
         _mountings(path, content.get("mountings", {})),
         _number(path, "model.restitution_drift_fading", model.get("restitution_drift_fading", 0.0)),
+        _changes(path, content.get("changes", {}), content.get("effects", {})),
+        _uses(path, model.get("uses", [])),
     )
     if found.fading < 0.0:
         raise ModelError(f"{path}: model.restitution_drift_fading={found.fading}: want 0 or more")
@@ -121,6 +126,38 @@ def _mountings(path: Path, table: Any) -> dict[str, float]:
     if not isinstance(table, dict):
         raise ModelError(f"{path}: mountings={shown(table)}: want a table of angles by channel")
     return {name: _number(path, f"mountings.{name}", value) for name, value in table.items()}
+
+
+def _uses(path: Path, values: Any) -> tuple[float, ...]:
+    """What impacts had taken by the middle of each test, which cannot become less."""
+    if not isinstance(values, list):
+        raise ModelError(f"{path}: model.uses={shown(values)}: want a list of numbers")
+    found = tuple(_number(path, f"model.uses[{k}]", value) for k, value in enumerate(values))
+    if any(later < before for before, later in zip((0.0, *found), found, strict=False)):
+        raise ModelError(f"{path}: model.uses={shown(values)}: want numbers from 0 on that do not become less")
+    return found
+
+
+def _changes(path: Path, tables: Any, effects: Any) -> dict[str, dict[str, float]]:
+    """How the restitution, or parameters of effects that are there, change in the course of a campaign."""
+    if not isinstance(tables, dict):
+        raise ModelError(f'{path}: changes={shown(tables)}: want tables [changes."EFFECT.PARAMETER"]')
+    hows: dict[str, Any] = {each.name: each.default for each in fields(Change)}
+    out: dict[str, dict[str, float]] = {}
+    for name, change in tables.items():
+        effect, _, parameter = name.partition(".")
+        if name != RESTITUTION and parameter not in effects.get(effect, {}):
+            raise ModelError(
+                f"{path}: changes.{shown(name)}: want {RESTITUTION}, or EFFECT.PARAMETER of what [effects] holds"
+            )
+        if not isinstance(change, dict):
+            raise ModelError(f"{path}: changes.{shown(name)}={shown(change)}: want a table of {', '.join(hows)}")
+        _known(path, f"changes.{name}", change, tuple(hows))
+        full = f"changes.{name}"
+        out[name] = {how: _number(path, f"{full}.{how}", value, hows[how]) for how, value in change.items()}
+        if out[name].get("fading", 0.0) < 0.0:
+            raise ModelError(f"{path}: {full}.fading={out[name]['fading']}: want 0 or more")
+    return out
 
 
 def _effects(path: Path, tables: Any) -> dict[str, dict[str, float]]:

@@ -7,7 +7,7 @@ import sys
 from dataclasses import dataclass
 
 from rocking.effects import load
-from studies.loop.models.model import DRIFT, FADING, GRAVITY, MOUNTING, RESTITUTION
+from studies.loop.models.model import CHANGE, DRIFT, FADING, GRAVITY, MOUNTING, RESTITUTION
 
 _SECTION = re.compile(r"^([A-Z][a-z]*(?: [a-z]+)?)\s{2,}(\S.*)$")
 
@@ -33,8 +33,22 @@ class Page:
     sections: tuple[tuple[str, str], ...]
 
 
+OF_A_CHANGE = Page(
+    CHANGE, "Learned change", "parameters are others from test to test in the course of the campaign",
+    (
+        ("Changes", "a parameter of another effect, or the restitution, by number of the test or what impacts took"),
+        ("Parameters", "per_test, from the first test to the next, which fades as exp(-fading number); step, "
+         "from the test from_test on, counted from 0"),
+        ("Limits", "what changes within a test is taken at its middle; later tests take as much as others did"),
+    ),
+)  # fmt: skip
+"""Of what no module in `rocking.effects` holds, since a single test knows nothing of it."""
+
+
 def page(name: str) -> Page:
     """The page of an effect; of a module without such a head, its name alone."""
+    if name == CHANGE:
+        return OF_A_CHANGE
     effect = load(name)
     text = sys.modules[effect.__module__].__doc__ or ""
     lines = text.strip().splitlines() or [""]
@@ -59,9 +73,23 @@ def readable(name: str) -> str:
     return (words[:1].upper() + words[1:]) + (f" ({form.rstrip(']').replace('_', ' ')})" if bracket else "")
 
 
+def parameter_words(full: str) -> str:
+    """A parameter of an effect in words, without the effect; of a change what changes, and how."""
+    effect, _, parameter = full.partition(".")
+    if effect == CHANGE:
+        how, _, changed = parameter.partition(".")
+        of, _, own = changed.partition(".")
+        what = f"{own.replace('_', ' ')} of {readable(of).lower()}" if own else of
+        return f"{how.replace('_', ' ')}, {what}"
+    return parameter.replace("_", " ")
+
+
 def parameter_units(full: str) -> str:
     """Units of a parameter by its full name, "1" where it has none."""
     effect, _, parameter = full.partition(".")
+    if effect == CHANGE:
+        how, _, changed = parameter.partition(".")
+        return "1" if how in ("fading", "from_test", "by_use") else parameter_units(changed)
     if effect in OF_THE_CALIBRATION:
         return OF_THE_CALIBRATION[effect]
     return load(effect).units.get(parameter, "1") if parameter else "1"

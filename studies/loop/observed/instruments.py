@@ -28,4 +28,5 @@ def accelerations(model: LoopModel, simulator: Simulator, test: int, answer: Ans
     """
     if channel.position is None:
         raise ValueError(f"channel {channel.name!r}: is of kind {channel.kind}, want block_acceleration")
-    return readings(model, channel, answer.y, answer.theta, answer.mode, answer.s, simulator.base(model, test))
+    base = simulator.base(model, test)
+    return readings(simulator.in_test(model, test), channel, answer.y, answer.theta, answer.mode, answer.s, base)

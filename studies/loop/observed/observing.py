@@ -51,11 +51,11 @@ def observe(
         simulator.recorded(models[job.model], job.test, answer.theta, w.index) if not w.accelerometers else np.zeros(0)
         for job, answer, w in zip(jobs, answers, windows, strict=True)
     ]
-    by_model: dict[int, list[int]] = {}
+    by_model: dict[tuple[int, int], list[int]] = {}
     for i, (job, w) in enumerate(zip(jobs, windows, strict=True)):
         if w.accelerometers:
-            by_model.setdefault(job.model, []).append(i)
-    for number, members in by_model.items():
+            by_model.setdefault((job.model, job.test if models[job.model].varies else -1), []).append(i)
+    for (number, _), members in by_model.items():
         _accelerations(simulator, models[number], members, jobs, answers, windows, out)
     return out
 
@@ -64,7 +64,7 @@ def _accelerations(
     simulator: Simulator, model: LoopModel, members: Sequence[int], jobs: Sequence[Job], answers: Sequence[Answer],
     windows: Sequence[Window], out: list[Array],
 ) -> None:  # fmt: skip
-    """Put the readings of all runs of a model in `out`."""
+    """Put the readings of all runs of a model in `out`; of one that changes from test to test, of a single test."""
     y = np.concatenate([answers[i].y for i in members])
     theta = np.concatenate([answers[i].theta for i in members])
     mode = np.concatenate([answers[i].mode for i in members])
@@ -74,7 +74,8 @@ def _accelerations(
     base = Base(*(np.concatenate([row[windows[i].index] for row, i in zip(rows, members, strict=True)])
                   for rows in zip(*bases, strict=True)))  # fmt: skip
     channels = {c.name: c for i in members for c in windows[i].channels}
-    read = {name: readings(model, channel, y, theta, mode, s, base) for name, channel in channels.items()}
+    there = simulator.in_test(model, jobs[members[0]].test)
+    read = {name: readings(there, channel, y, theta, mode, s, base) for name, channel in channels.items()}
     at = 0
     for i in members:
         part = slice(at, at + answers[i].mode.size)

@@ -53,7 +53,8 @@ def impacts(record: Record) -> Impacts:
 
 def modelled_restitution(model: LoopModel, simulator: Simulator, test: int, seen: Impacts) -> Array:
     """Restitution of the model [1] at the measured impacts; NaN where it has none or comes to rest."""
-    system = model.in_test(simulator.numbers[test]).system
+    model = simulator.in_test(model, test)
+    system = model.system
     if not rocks_alone(system) or not seen.time.size:
         return np.full(seen.time.shape, np.nan)
     motion = model.base(simulator.bases[test], simulator.spans[test])

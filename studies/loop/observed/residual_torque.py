@@ -113,6 +113,7 @@ def residual_torque(model: LoopModel, simulator: Simulator, record: Record, part
         parts: of `stretches`.
     """
     value, sd = np.full(len(parts), np.nan), np.full(len(parts), np.nan)
+    model = simulator.in_test(model, record.test)
     if not rocks_alone(model.system):
         return Residual(value, sd)
     motion = model.base(simulator.bases[record.test], simulator.spans[record.test])

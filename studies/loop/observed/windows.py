@@ -179,6 +179,23 @@ def in_order(records: Sequence[Record], block: DeclaredBlock) -> list[Record]:
     return out
 
 
+def uses(records: Sequence[Record], tests: int) -> tuple[float, ...]:
+    """What impacts had taken by the middle of each test, over what they took in one on average [1], shape (test,).
+
+    Of a test without a record as between its neighbours; nothing where no impact was seen.
+
+    Args:
+        records: of `in_order`.
+        tests: how many there were.
+    """
+    ends = [(r.test, r.struck.squares, struck_before(r, math.inf).squares) for r in records]
+    if not ends or ends[-1][2] <= 0.0:
+        return ()
+    each = ends[-1][2] / len(ends)
+    middle = [0.5 * (before + after) / each for _, before, after in ends]
+    return tuple(np.interp(np.arange(tests), [test for test, _, _ in ends], middle).tolist())
+
+
 def cut(record: Record, number: int, start: float, stop: float, **state: Any) -> Window:
     """The part of a record from `start` to `stop` [s] as a window.
 

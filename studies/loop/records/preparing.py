@@ -23,6 +23,7 @@ from studies.loop.observed.windows import (
     in_order,
     record_of,
     swing_windows,
+    uses,
     whole_windows,
     with_accelerometers,
 )
@@ -142,6 +143,7 @@ def prepare(campaign: Campaign, declared: LoopModel, keeper: Keeper | None = Non
     noisy = redrawn(campaign.tests, noise_of_base, factors=thinned)
     swings = with_left_by_base(simulator, noisy, len(campaign.tests), start, swings)
     recorded = Simulator(campaign.tests)
+    start = replace(start, uses=uses(records, len(campaign.tests)))
     return Setup(
         campaign, simulator, recorded, noisy, tuple(records), held,
         tuple(swings), tuple(whole_windows(kept)), tuple(whole_windows([r for r in records if r.test in held])),

@@ -65,7 +65,7 @@ def leaning(setup: Setup, model: LoopModel, windows: Sequence[Window]) -> list[W
 
 def _as_read(model: LoopModel, window: Window) -> Window:
     """The window from the rotation that its reading at the start stands for; as it is where it stands for none."""
-    theta = model.peak(window.theta_prior) if window.lean_read else window.theta_prior
+    theta = model.in_test(window.test).peak(window.theta_prior) if window.lean_read else window.theta_prior
     return window.moved(theta, window.omega) if math.isfinite(theta) else window
 
 

@@ -19,7 +19,7 @@ from studies.campaigns import Campaign
 from studies.loop.closing import Finding
 from studies.loop.finding_file import REFUSED
 from studies.loop.models.model import MOUNTING
-from studies.loop.models.names import OWN, page, parameter_units, readable
+from studies.loop.models.names import OWN, page, parameter_units, parameter_words, readable
 from studies.loop.report import figures, tables, text
 from studies.loop.swings.trials import LEAST_GAIN, PAYS, bic
 from studies.loop.whole.rivals import TWIN
@@ -171,10 +171,7 @@ def _panels(tests: list[xr.Dataset]) -> list[dict[str, Any]]:
 
 def _effect(name: str, content: dict[str, Any]) -> dict[str, Any]:
     own = {k: p for k, p in content["parameters"].items() if k.partition(".")[0] == name}
-    rows = [
-        (k.partition(".")[2].replace("_", " "), _interval(p["value"], p["low"], p["high"]), p["units"])
-        for k, p in own.items()
-    ]
+    rows = [(parameter_words(k), _interval(p["value"], p["low"], p["high"]), p["units"]) for k, p in own.items()]
     return {"page": page(name), "parameters": rows}
 
 

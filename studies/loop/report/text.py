@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from studies.loop.models.names import page, readable
+from studies.loop.models.names import page, parameter_words, readable
 from studies.loop.swings.learning import LEARNED
 from studies.loop.swings.trials import PAYS
 from studies.loop.whole.rivals import TWIN
@@ -68,11 +68,10 @@ def effect_words(content: Content, name: str) -> str:
     """An effect, what it is and its parameters, as in "base tilt (the floor is not level; angle 0.0045 rad, ...)"."""
     found = []
     for full, p in content["parameters"].items():
-        effect, _, parameter = full.partition(".")
-        if effect == name:
+        if full.partition(".")[0] == name:
             value, low, high = with_interval(p["value"], p["low"], p["high"])
             unit = "" if p["units"] == "1" else f" {p['units']}"
-            found.append(f"{parameter.replace('_', ' ')} {value}{unit}, between {low} and {high}")
+            found.append(f"{parameter_words(full)} {value}{unit}, between {low} and {high}")
     about = page(name)
     inside = [about.sentence, *found] if about.sentence else found
     return f"{about.title.lower()} ({'; '.join(inside)})" if inside else about.title.lower()

@@ -244,7 +244,11 @@ class Simulator:
 
         Every sample of the record: this is what sensors on the block read besides its motion.
         """
-        return self._at_samples(self._base(model, test), test)
+        return self._at_samples(self._base(self.in_test(model, test), test), test)
+
+    def in_test(self, model: LoopModel, test: int) -> LoopModel:
+        """The model in a test, of one that changes in the course of a campaign."""
+        return model.in_test(self.numbers[test])
 
     def _at_samples(self, motion: BaseMotion, test: int) -> Base:
         key = (test, id(motion))
@@ -258,16 +262,17 @@ class Simulator:
 
     def seen(self, model: LoopModel, test: int, index: NDArray[np.intp] | slice = slice(None)) -> Seen:
         """What the rotation sensor feels besides the rotation, at the samples of a test or some of them."""
-        a_x = self._at_samples(shaking(self._base(model, test)), test).a_x
+        a_x = self._at_samples(shaking(self._base(self.in_test(model, test), test)), test).a_x
         return Seen(self.tests[test].time[index] - self.spans[test][0], a_x[index])
 
     def recorded(
         self, model: LoopModel, test: int, theta: Array, index: NDArray[np.intp] | slice = slice(None)
     ) -> Array:
         """Reading of the rotation sensor [rad] at these samples of a test, from a peak or a rest on."""
-        if not model.remembers:
-            return np.asarray(model.reading(theta))
-        return model.recorded(theta, self.seen(model, test, index))
+        there = self.in_test(model, test)
+        if not there.remembers:
+            return np.asarray(there.reading(theta))
+        return there.recorded(theta, self.seen(model, test, index))
 
     def _driving(self, model: LoopModel, test: int) -> BaseMotion:
         """The base that a run sees: what the model makes of the thinned record.
@@ -407,14 +412,14 @@ class Simulator:
         return answers  # type: ignore[return-value]
 
     def _by_test(self, models: Sequence[LoopModel], jobs: Sequence[Job]) -> tuple[Sequence[LoopModel], Sequence[Job]]:
-        """Models that drift from test to test as one model for each test that they are asked for."""
-        if all(model.drift == 0.0 for model in models):
+        """Models that change from test to test as one model for each test that they are asked for."""
+        if not any(model.varies for model in models):
             return models, jobs
         every: list[LoopModel] = []
         places: dict[tuple[int, int], int] = {}
         out = []
         for job in jobs:
-            key = (job.model, self.numbers[job.test] if models[job.model].drift != 0.0 else 0)
+            key = (job.model, self.numbers[job.test] if models[job.model].varies else 0)
             if key not in places:
                 places[key] = len(every)
                 every.append(models[job.model].in_test(key[1]))

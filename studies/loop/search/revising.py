@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 from studies.loop.fits.fitting import Fit, fit
 from studies.loop.models.candidates import Candidate
-from studies.loop.models.model import DRIFT, LoopModel
+from studies.loop.models.model import CHANGE, DRIFT, LoopModel
 from studies.loop.models.names import readable
 from studies.loop.records.preparing import Setup
 from studies.loop.swings.tracing import search
@@ -104,7 +104,9 @@ def _without(model: LoopModel, plain: LoopModel, gone: Candidate, left: Trial) -
         effect: {name: value for name, value in values.items() if f"{effect}.{name}" not in own}
         for effect, values in model.effects.items() if any(name.startswith(f"{effect}.") for name in kept)
     }  # fmt: skip
-    left_over = replace(model, effects=effects)
+    of_changes = tuple(name for name in kept if name.startswith(f"{CHANGE}."))
+    changed = [full for full in model.changes if any(name.endswith(f".{full}") for name in of_changes)]
+    left_over = replace(model, effects=effects, changes={full: model.changes[full] for full in changed})
     return left_over if DRIFT in kept else replace(left_over, drift=plain.drift, fading=plain.fading)
 
 

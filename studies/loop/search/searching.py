@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from studies.loop.fits.fitting import Fit
-from studies.loop.models.candidates import Candidate
+from studies.loop.models.candidates import OF_THE_ROTATION_SENSOR, Candidate
 from studies.loop.models.names import readable
 from studies.loop.records.preparing import Setup
 from studies.loop.search.revising import set_aside, taken_out
@@ -60,8 +60,6 @@ ONE_TERM = "one coefficient without a name leaves nothing over the noise, nor of
 ONE_BESIDE = "one coefficient without a name beside what was found leaves nothing over the noise; runs take long"
 
 ONE_FORM = "one form without a name leaves nothing over the noise, nor of whole records; runs take long"
-
-OF_THE_ROTATION_SENSOR = ("rotation_gain", "rotation_offset")
 
 
 def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:

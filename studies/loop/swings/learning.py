@@ -7,7 +7,8 @@ restitution with a memory of `rocking.effects.learned_memory`, what is off in a 
 `rocking.effects.learned_base`, what a base sensor loses of
 `rocking.effects.learned_coupling`, the mass inside of `rocking.effects.learned_mode` and the torque that lags of
 `rocking.effects.learned_hysteresis` are parameters whose default is nothing, fitted with the same machinery as the
-effects. The greedy search stops when the next one does not lower the residual by `LEAST_GAIN`, nor most of what is
+effects; so are changes of effects with a name in the course of a campaign (`studies.loop.swings.changing`).
+The greedy search stops when the next one does not lower the residual by `LEAST_GAIN`, nor most of what is
 over the noise.
 
 Status   two modes, two of what swings, yields or remembers at once, and a curve beside what swings or yields, are
@@ -29,11 +30,12 @@ from rocking.effects.learned_friction import FRICTION
 from rocking.effects.learned_reading import MARKS
 from studies.campaigns import DeclaredBlock
 from studies.campaigns.swings import OPEN
-from studies.loop.models.candidates import Candidate
-from studies.loop.models.model import DRIFT, FADING
+from studies.loop.models.candidates import OF_THE_ROTATION_SENSOR, Candidate, candidates
+from studies.loop.models.model import CHANGE, DRIFT, FADING
 from studies.loop.models.parameters import Parameter
 from studies.loop.observed.windows import SIDE, Window
 from studies.loop.runs.simulation import Simulator
+from studies.loop.swings.changing import changing
 from studies.loop.swings.tracing import search
 from studies.loop.swings.trials import PAYS, Trial, bic, pays
 
@@ -68,10 +70,11 @@ LITTLE = 0.2
 HOPELESS = 1
 """Coefficients after which half of what is to be reached has to be."""
 
-TERM, CURVE, LOSS, RUBBING, MEMORY, READING, TIMING, RESPONSE, BASE, COUPLING, MODE, HYSTERESIS = LEARNED = (
+TERM, CURVE, LOSS, RUBBING, MEMORY, READING, TIMING, RESPONSE, BASE, COUPLING, MODE, HYSTERESIS = _EFFECTS = (
     "learned_term", "learned_curve", "learned_damping", "learned_friction", "learned_memory", "learned_reading",
     "learned_timing", "learned_response", "learned_base", "learned_coupling", "learned_mode", "learned_hysteresis",
 )  # fmt: skip
+LEARNED = (*_EFFECTS, CHANGE)
 """Effects that say how a residual looks and not what it comes from."""
 
 WITH_A_NAME = frozenset(f"{TERM}.{name}" for name in ("bias", "damping", "drag", "base", "restitution_speed"))
@@ -170,8 +173,15 @@ def by_itself(simulator: Simulator, onto: Trial) -> list[Candidate]:
     """What has no name, is said by a number or two, and may be all that acts."""
     declared, windows = onto.swing.model.declared, onto.swing.windows
     few = [c for c in readings(declared, windows) if len(c.parameters) == 1]
-    between_them = between(simulator, windows)
-    return [*unnamed(declared), *few, *answering(windows), *memories(declared, windows), *between_them]
+    between_them, changes = between(simulator, windows), _changes(simulator, onto)
+    return [*unnamed(declared), *few, *answering(windows), *memories(declared, windows), *between_them, *changes]
+
+
+def _changes(simulator: Simulator, onto: Trial) -> list[Candidate]:
+    """Effects with a name that change in the course of the campaign."""
+    read = _rotation_was_read(onto.swing.windows)
+    pool = [c for c in candidates(onto.swing.model.declared) if read or c.effect not in OF_THE_ROTATION_SENSOR]
+    return changing(simulator, onto, pool)
 
 
 def _term(full: str, size: float) -> Candidate:
@@ -425,7 +435,8 @@ def _at_hand(simulator: Simulator, onto: Trial) -> tuple[Candidate, ...]:
     """What has no states that go on from swing to swing."""
     declared, windows = onto.swing.model.declared, onto.swing.windows
     forms = (c for form in (readings, profiles, memories) for c in form(declared, windows))
-    return (*terms(declared), *forms, *answering(windows), *between(simulator, windows))
+    every = *terms(declared), *forms, *answering(windows), *between(simulator, windows), *_changes(simulator, onto)
+    return every
 
 
 def alike(simulator: Simulator, without: Trial, found: Trial, tell: Callable[[str], None]) -> list[Trial]:

@@ -42,6 +42,7 @@ def as_seen(model: LoopModel, window: Window) -> Window:
     """The window from the state that the record shows, as the model takes its sensor; as it is where there is none."""
     if window.seen is None:
         return window
+    model = model.in_test(window.test)
     theta = model.peak(window.seen.theta)
     if not math.isfinite(theta):
         return window

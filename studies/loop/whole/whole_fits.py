@@ -82,13 +82,15 @@ def whole_fit_from_many(setup: Setup, trial: Trial, weights_of: Fit, effects: Co
     return min(found, key=lambda f: f.chi2)
 
 
-def weighed_under(setup: Setup, model: LoopModel, windows: Sequence[Window]) -> list[Window]:
+def weighed_under(setup: Setup, model: LoopModel, windows: Sequence[Window], draws: int | None = None) -> list[Window]:
     """Whole windows, in the order of those of the setup, weighed by what base noise does under a model.
 
     What weighed them before is left aside, but for what the records themselves say of their noise.
+
+    draws: of the noise; as many as a variance takes if not given.
     """
     plain = [replace(w, sd=o.sd) for w, o in zip(windows, setup.whole, strict=True)]
-    return weighed(plain, variances(setup.noisy, len(setup.campaign.tests), model, plain))
+    return weighed(plain, variances(setup.noisy, len(setup.campaign.tests), model, plain, draws=draws))
 
 
 def all_at_once(setup: Setup, trial: Trial, leans: Fit) -> Fit:

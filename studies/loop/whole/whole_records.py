@@ -62,6 +62,9 @@ values may hit by chance."""
 TELLING = 3
 """Records on which the starts are compared."""
 
+DRAWS_OF_A_SCAN = 4
+"""Draws of base noise under which each of the scanned values is judged; the best one is weighed as well as anything."""
+
 LIKELY = 1.0 / 3.0
 """Share of the scanned values that are judged under what base noise does there: those whose runs come nearest."""
 
@@ -204,11 +207,11 @@ def confirmed(
     rest = min(_alone(setup, onto, ended), without, key=lambda f: f.chi2)
     if rest.chi2 - ended.chi2 < PAYS * max(1.0, ended.chi2 / ended.samples):
         return None
-    if (
-        np.count_nonzero(_helped(ended, rest)) < LEAST_RECORDS
-        or not _explains(ended, rest)
-        or _at_the_cost_of_others(ended, rest)
-    ):
+    helped = _helped(ended, rest)
+    if 0 < np.count_nonzero(helped) < LEAST_RECORDS:
+        # What lowers another one by far, less than half as it is of what is left there, is no value that hit one alone.
+        helped |= _told(ended, rest, counted_together(setup, onto.with_(candidate, onto.swing), ended))
+    if np.count_nonzero(helped) < LEAST_RECORDS or not _explains(ended, rest) or _at_the_cost_of_others(ended, rest):
         return None
     # What it makes unpredictable is not in these windows, and may have been explained.
     leans = fit(setup.simulator, ended.model, [], shared.windows, whole=True, iterations=4)
@@ -229,7 +232,8 @@ def _alone(setup: Setup, onto: Trial, found: Fit) -> Fit:
     }  # fmt: skip
     drift = found.model.drift if DRIFT in fitted else onto.swing.model.drift
     fading = found.model.fading if FADING in fitted else onto.swing.model.fading
-    model = replace(found.model, effects=effects, drift=drift, fading=fading)
+    changes = {full: how for full, how in found.model.changes.items() if full in onto.swing.model.changes}
+    model = replace(found.model, effects=effects, drift=drift, fading=fading, changes=changes)
     return fit_records(setup.simulator, model, onto.every, found.windows, iterations=8)
 
 
@@ -240,10 +244,10 @@ def _scanned(setup: Setup, whole: Fit, without: Fit, candidate: Candidate) -> tu
     not without the effect, would own the sum of squares and lead to where it happens to be met.
     """
 
-    def at(values: Mapping[str, float]) -> tuple[float, Fit] | None:
+    def at(values: Mapping[str, float], draws: int | None = DRAWS_OF_A_SCAN) -> tuple[float, Fit] | None:
         try:
             model = without.model.changed({**candidate.fixed, **values})
-            windows = weighed_under(setup, model, whole.windows)
+            windows = weighed_under(setup, model, whole.windows, draws)
             found = fit(setup.simulator, model, [], windows, whole=True, iterations=2)
         except ValueError:
             return None  # it does not go together with what is there already
@@ -261,7 +265,10 @@ def _scanned(setup: Setup, whole: Fit, without: Fit, candidate: Candidate) -> tu
         for j in (at_best - 1, at_best + 1) if 0 <= j < len(candidate.scanned) for share in (0.25, 0.5, 0.75)
     ]  # fmt: skip
     found += [(*f, v) for v in between if (f := at(v)) is not None]
-    off, best, _ = min(found, key=lambda f: f[0])
+    again = at(min(found, key=lambda f: f[0])[2], None)
+    if again is None:
+        return None
+    off, best = again
     windows = predictable(best.windows)
     return (off, fit(setup.simulator, best.model, [], windows, whole=True, iterations=2)) if windows else None
 

@@ -162,14 +162,14 @@ def test_every_effect_moves_what_is_recorded(name: str) -> None:
     d = draw(np.random.default_rng(7))
     motion = ramp(np.random.default_rng(1), 3.0, 6.0)
     plans = [
-        Plan("a", "free", 250.0, 500, 0.16, 0.16, None, 3),
-        Plan("b", "forced", 250.0, 1700, motion=motion, order=4),
+        Plan("a", "free", 250.0, 500, 0.16, 0.16, None, 8),
+        Plan("b", "forced", 250.0, 1700, motion=motion, order=9),
     ]
     moved = 0.0
     lab, _ = (NAMED | UNNAMED)[name](LAB, d, 3.0)
     for plan in plans:
         ideal, other = respond(LAB, plan), respond(lab, plan)
-        shown = lab.sensors.reads(other.rotation)
+        shown = worn(lab, plan.order).sensors.reads(other.rotation)
         moved = max(moved, float(np.nanmax(np.abs(shown - ideal.rotation))))
     if name in ("base_motion_gain", "base_motion_lag", "coupled_sensor"):
         assert lab.sensors != LAB.sensors
@@ -223,12 +223,12 @@ def test_beside_another_engine_an_effect_is_there_or_refused(engine: str, name: 
     one, _ = NAMED[engine](LAB, d, 1.0)
     both, _ = (NAMED | UNNAMED)[name](one, d, 3.0)
     assert both.engine == one.engine
-    if both.sensors != one.sensors or both.wear != one.wear:
+    if worn(both, 9).sensors != one.sensors or both.wear != one.wear:
         return  # seen by the sensor alone, or from test to test
     moved = 0.0
     for plan in (
-        Plan("a", "free", 250.0, 300, 0.26, 0.26, None, 3),
-        Plan("b", "forced", 250.0, 700, motion=ramp(np.random.default_rng(1), 8.0, 16.0), order=4),
+        Plan("a", "free", 250.0, 300, 0.26, 0.26, None, 8),
+        Plan("b", "forced", 250.0, 700, motion=ramp(np.random.default_rng(1), 8.0, 16.0), order=9),
     ):
         moved = max(moved, float(np.nanmax(np.abs(respond(both, plan).rotation - respond(one, plan).rotation))))
     assert moved > 5e-4
@@ -261,6 +261,31 @@ def test_what_is_refused_is_what_an_engine_lacks() -> None:
 def test_wear_counts_tests() -> None:
     lab, _ = UNNAMED["wear"](LAB, draw(np.random.default_rng(1)), 1.0)
     assert worn(lab, 5).world.restitution == pytest.approx(0.92 - 5 * lab.wear)
+
+
+@pytest.mark.parametrize(
+    ("name", "of", "field"),
+    [
+        ("crumbling_edges", "world", "half_breadth"),
+        ("settling_floor", "world", "tilt"),
+        ("warming_sensor", "sensors", "rotation_gain"),
+    ],
+)
+def test_what_changes_from_test_to_test_does_so_ever_less_or_evenly(name: str, of: str, field: str) -> None:
+    lab, _ = UNNAMED[name](LAB, draw(np.random.default_rng(3)), 1.0)
+    values = np.array([getattr(getattr(worn(lab, k), of), field) for k in range(6)])
+    assert values[0] == getattr(getattr(LAB, of), field)
+    shares = np.diff(values)[1:] / np.diff(values)[:-1]
+    np.testing.assert_allclose(shares, math.exp(-lab.courses[0].fading), rtol=1e-9)
+    assert (shares[0] == pytest.approx(1.0)) == (name == "settling_floor")
+
+
+def test_a_load_shifts_once() -> None:
+    lab, _ = UNNAMED["shifted_load"](LAB, draw(np.random.default_rng(3)), 1.0)
+    offsets = [worn(lab, k).world.offset for k in range(12)]
+    first = lab.courses[0].before
+    assert 3 <= first <= 6
+    assert offsets == [0.0] * first + [lab.courses[0].change] * (12 - first)
 
 
 def test_grinding_sums_the_squares_of_impact_speeds_from_test_to_test() -> None:

@@ -74,6 +74,72 @@ def test_restitution_drifts_with_the_number_of_the_test() -> None:
     assert LoopModel(BLOCK, 0.9).in_test(3).number == 0
 
 
+def test_parameters_change_in_the_course_of_a_campaign_and_not_beyond_their_range() -> None:
+    """Evenly, ever less, or all at once: the sums of the changes so far; the model is that of the first test."""
+    changes = {
+        "rounded_edges.radius": {"per_test": 1e-3, "low": 0.0, "high": 0.0055},
+        "base_tilt.angle": {"step": 2e-3, "from_test": 3.0},
+        "viscous_damping.coefficient": {"per_test": -0.1, "fading": 0.5, "low": 0.0},
+        "restitution": {"step": -0.02, "from_test": 2.0},
+    }
+    effects = {
+        "rounded_edges": {"radius": 2e-3}, "base_tilt": {"angle": 1e-3}, "viscous_damping": {"coefficient": 0.3}
+    }  # fmt: skip
+    model = LoopModel(BLOCK, 0.9, effects, changes=changes)
+    for number, radius, angle, restitution in ((0, 2e-3, 1e-3, 0.9), (2, 4e-3, 1e-3, 0.88), (7, 5.5e-3, 3e-3, 0.88)):
+        there = model.in_test(number)
+        assert there.effects_now["rounded_edges"]["radius"] == pytest.approx(radius, rel=1e-12)
+        assert there.effects_now["base_tilt"]["angle"] == pytest.approx(angle, rel=1e-12)
+        damping = 0.3 - quad(lambda n: 0.1 * math.exp(-0.5 * n), 0.0, number)[0]
+        assert there.effects_now["viscous_damping"]["coefficient"] == pytest.approx(damping, rel=1e-12)
+        assert there.restitution_now == pytest.approx(restitution, rel=1e-12)
+        assert vars({part.name: part for part in there.parts}["rounded_edges"])["radius"] == pytest.approx(radius)
+    assert model.in_test(1).get("rounded_edges.radius") == 2e-3
+    assert model.get("learned_change.step.base_tilt.angle") == 2e-3
+    assert (
+        model.changed({"learned_change.step.base_tilt.angle": 1.0}).in_test(3).effects_now["base_tilt"]["angle"] > 1.0
+    )
+
+
+def test_changes_are_kept_in_the_file(tmp_path: Path) -> None:
+    changes = {"base_tilt.angle": {"per_test": 1e-4, "fading": 0.2, "low": -0.1, "high": 0.1}}
+    changes["restitution"] = {"per_test": -1e-3, "by_use": 1.0}
+    model = LoopModel(BLOCK, 0.9, {"base_tilt": {"angle": 1e-3}}, changes=changes, number=4, uses=(0.5, 1.2, 2.5, 4.0))
+    write_model(model, tmp_path / "model.toml")
+    found = read_model(tmp_path / "model.toml")
+    for number in (0, 3, 50):
+        assert found.in_test(number).effects_now == model.in_test(number).effects_now
+        assert found.in_test(number).restitution_now == model.in_test(number).restitution_now
+    assert found.restitution_now == pytest.approx(0.9 - 1e-3 * 5.0, rel=1e-12)  # after the last test one like all
+    assert found.number == 4
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "wanted"),
+    [
+        (
+            '[changes."base_tilt.angle"]',
+            '[changes."tether.slack"]',
+            r"changes.*tether\.slack.*want restitution, or EFFECT",
+        ),
+        ("fading = 0.2", "fading = -0.2", r"fading=-0\.2: want 0 or more"),
+        ("per_test = 0.0001", "per_day = 0.0001", "has no .*per_day.*, want per_test, fading, step"),
+        ("uses = []", "uses = [2.0, 1.0]", "uses=.*want numbers from 0 on that do not become less"),
+        ("uses = []", "uses = 3", "uses=3: want a list of numbers"),
+        ("per_test = 0.0001", "per_test = nan", "per_test=nan: want a number that is finite"),
+    ],
+)
+def test_a_change_that_cannot_be_is_refused(tmp_path: Path, old: str, new: str, wanted: str) -> None:
+    changes = {"base_tilt.angle": {"per_test": 1e-4, "fading": 0.2}}
+    path = tmp_path / "model.toml"
+    write_model(LoopModel(BLOCK, 0.9, {"base_tilt": {"angle": 1e-3}}, changes=changes), path)
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    with pytest.raises(ModelError, match=wanted):
+        read_model(path)
+
+
 def test_a_drift_that_fades_comes_to_an_end() -> None:
     """The sum of changes that each are smaller by exp(-fading), and drift / fading away in the end."""
     model = LoopModel(BLOCK, 0.9, drift=-0.004, fading=0.25)

@@ -455,7 +455,11 @@ def test_names_come_back_where_what_was_learned_does_not_carry(
     monkeypatch: pytest.MonkeyPatch, left: float, names: tuple[str, ...], verdict: str, carries: bool, held_out: float,
     why: str, by_search: bool,
 ) -> None:  # fmt: skip
-    """It is compared with the effects whose place it took, not with the calibrated block; theirs is the verdict."""
+    """It is compared with the effects whose place it took, not with the calibrated block; theirs is the verdict.
+
+    They are in doubt where it explains more of the tests that were fitted (leaking_restitution-101001, which had come
+    out as `velocity_dependent_restitution`).
+    """
     plain, stands, memory = stub(chi2=5000.0), stub(*names, chi2=1000.0), stub("learned_memory", chi2=900.0)
     fit_error = {(): 0.03, ("vdr",): 0.004, ("learned_memory",): 0.002 if carries else 0.01 if names else 0.04}
     asked = []
@@ -481,7 +485,7 @@ def test_names_come_back_where_what_was_learned_does_not_carry(
         assert (kept, said_verdict, said) == (memory, "unexplained", ())
         assert after.whole.model == ("learned_memory",)
     else:
-        assert (kept, said_verdict) == (stands, verdict)
+        assert (kept, said_verdict) == (stands, "unexplained" if names and carries else verdict)
         assert after.whole.model == names
         assert why in said[0]
 

@@ -28,6 +28,7 @@ from studies.loop.whole.rivals import Rival
 from studies.loop.whole.settling import intervals, predictable, settle
 from studies.loop.whole.whole_fits import gain, whole_fit
 from studies.loop.whole.whole_records import (
+    DRAWS_OF_A_SCAN,
     MISSED,
     _at_the_cost_of_others,
     _explains,
@@ -180,18 +181,26 @@ def test_a_scan_is_not_led_by_a_record_that_hangs_finely_on_the_base(monkeypatch
         chi2 = sum(float(np.sum(r**2)) for r in residuals)
         return SimpleNamespace(chi2=chi2, model=model, windows=windows, residuals=residuals)
 
-    def under(setup, model, windows):
+    def under(setup, model, windows, draws):
+        drawn.append(draws)
         judged.append(model.get("base_adhesion.moment"))
         return [_window(), _window(100.0)]
 
-    judged: list[float] = []
+    judged, drawn = list[float](), list[int | None]()
     monkeypatch.setattr(whole_records, "fit", fit)
     monkeypatch.setattr(whole_records, "predictable", lambda given: given)
     monkeypatch.setattr(whole_records, "weighed_under", under)
     without, whole = SimpleNamespace(model=LoopModel(block, 0.9), windows=()), SimpleNamespace(windows=[_window()] * 2)
     off, near = _scanned(SimpleNamespace(simulator=None), whole, without, adhesion)
     # Of those that are far off in both no draw of the noise is made: a third is left, and six between the best ones.
-    assert len(judged) == 11 + 6 and lucky in judged and moments[0] not in judged and moments[-1] not in judged
+    # The best of all has as many draws in the end as a variance takes.
+    assert (
+        drawn == [DRAWS_OF_A_SCAN] * (11 + 6) + [None]
+        and judged[-1] == true
+        and lucky in judged
+        and moments[0] not in judged
+        and moments[-1] not in judged
+    )
     assert near.model.get("base_adhesion.moment") == true
     # What makes a record unpredictable pays for it, as in a likelihood.
     assert off == pytest.approx(100.0 + 200.0 * math.log(100.0), rel=1e-12)
@@ -226,7 +235,7 @@ def test_a_scan_counts_what_the_effect_gains_and_not_what_a_refit_does(without, 
     for name in ("fit", "fit_records"):
         monkeypatch.setattr(whole_records, name, fit)
     monkeypatch.setattr(whole_records, "predictable", lambda given: given)
-    monkeypatch.setattr(whole_records, "weighed_under", lambda setup, model, windows: own)
+    monkeypatch.setattr(whole_records, "weighed_under", lambda setup, model, windows, draws: own)
     monkeypatch.setattr(whole_records, "_as_rival", as_rival)
     monkeypatch.setattr(whole_records, "gain", lambda *_: 0.5)
     onto = Trial((), (), SimpleNamespace(model=LoopModel(block, 0.9), windows=()))
