@@ -33,6 +33,7 @@ class Form:
         mass: [kg].
         inertia: about the centre of mass [kg m^2].
         adhesion: moment [N m] beyond West's formula that lift-off from rest takes.
+        apart: how far a given restitution is apart on both sides [1]: 1 as the kept angular momentum has it, 0 alike.
 
     Raises:
         ValueError: a number is out of its range, or the centre of mass is not above the flat part.
@@ -45,6 +46,7 @@ class Form:
     mass: float
     inertia: float
     adhesion: float = 0.0
+    apart: float = 1.0
 
     def __post_init__(self) -> None:
         for name, unit in (("half_breadth", "m"), ("mass_height", "m"), ("mass", "kg"), ("inertia", "kg m^2")):
@@ -55,7 +57,9 @@ class Form:
             value = getattr(self, name)
             if not (math.isfinite(value) and value >= 0.0):
                 raise ValueError(f"{name}={value!r} {unit}: want 0 or more")
-        as_floats(self, "half_breadth", "edge_radius", "offset", "mass_height", "mass", "inertia", "adhesion")
+        as_floats(self, "half_breadth", "edge_radius", "offset", "mass_height", "mass", "inertia", "adhesion", "apart")
+        if not 0.0 <= self.apart <= 1.0:
+            raise ValueError(f"apart={self.apart!r}: want a number from 0 to 1")
         if not abs(self.offset) < self.half_breadth:
             raise ValueError(
                 f"offset={self.offset!r} m: want less than half of the breadth it stands on, {self.half_breadth!r} m"
@@ -107,8 +111,8 @@ class Form:
     def restitutions(self, given: float | None) -> tuple[float, float]:
         """Restitution of eq. (4) when the +x and when the -x edge hands over [1].
 
-        A given one is what was measured: their geometric mean, the two apart as the form would have them.  Where that
-        of the form is below zero the block lands on both edges and stops.
+        A given one is what was measured: their geometric mean, the two apart as the form would have them, to the power
+        of `apart`.  Where that of the form is below zero the block lands on both edges and stops.
 
         Raises:
             ValueError: one of the two would be above 1.
@@ -118,7 +122,7 @@ class Form:
             return max(right, 0.0), max(left, 0.0)
         if right <= 0.0 or left <= 0.0:
             return given, given
-        apart = math.sqrt(right / left)
+        apart = (right / left) ** (0.5 * self.apart)
         both = given * apart, given / apart
         if max(both) > 1.0:
             raise ValueError(

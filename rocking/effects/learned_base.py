@@ -1,9 +1,12 @@
-"""Learned base: something that gives lies between the base sensor and the block, as a mode of its own.
+"""Learned base: something that gives moves between the base sensor and the block, as a mode of its own.
 
-Changes     the horizontal base motion: a_x + y'', where y'' + 2 damping_ratio w y' + w^2 y = -a_x from rest,
-            w = 2 pi frequency: what a plate on springs makes of the acceleration that is recorded below it
-Parameters  frequency [Hz], infinite where it is absent; damping_ratio [1]
-Use when    the block stands on a plate, a pad or a frame that is not rigid, or the sensor is not where the block is
+Changes     the horizontal base motion: a_x + share y'', where y'' + 2 damping_ratio w y' + w^2 y = -a_x from rest,
+            w = 2 pi frequency: with share 1 what a plate on springs makes of the acceleration that is recorded below
+            it; with a small one below 0 what a table of a given force does on which something else of that frequency
+            stands, -share / (1 - share) of all that moves, of what is recorded of its drive
+Parameters  frequency [Hz], infinite where it is absent; damping_ratio [1]; share of the answer that is added [1]
+Use when    the block stands on a plate, a pad or a frame that is not rigid, or the sensor is not where the block is;
+            the table resonates
 Limits      one mode, that the block does not pull at; nothing of a pitch or of vertical motion
 Source      a single-degree-of-freedom oscillator, its answer exact for straight lines between samples: Nigam & Jennings
             (1969), Bull. Seismol. Soc. Am. 59, 909
@@ -75,19 +78,25 @@ def _filters(step: float, frequency: float, damping_ratio: float) -> tuple[NDArr
 
 @dataclass(frozen=True)
 class LearnedBase(Effect):
-    """A plate between the base sensor and the block: its frequency [Hz] and damping ratio [1]."""
+    """A plate between the base sensor and the block, or the like: its frequency [Hz] and damping ratio [1].
+
+    share: of its answer that is added [1].
+    """
 
     frequency: float = math.inf
     damping_ratio: float = 0.05
+    share: float = 1.0
 
     name: ClassVar[str] = "learned_base"
-    units: ClassVar[dict[str, str]] = {"frequency": "Hz", "damping_ratio": "1"}
-    ranges: ClassVar[dict[str, tuple[float, float]]] = {"frequency": (0.01, 1e4), "damping_ratio": (0.0, 10.0)}
+    units: ClassVar[dict[str, str]] = {"frequency": "Hz", "damping_ratio": "1", "share": "1"}
+    ranges: ClassVar[dict[str, tuple[float, float]]] = {
+        "frequency": (0.01, 1e4), "damping_ratio": (0.0, 10.0), "share": (-10.0, 10.0),
+    }  # fmt: skip
     rank: ClassVar[int] = 3  # pitch and vertical motion are those of the table below it
 
     def base_motion(self, motion: BaseMotion, span: tuple[float, float], g: float) -> BaseMotion:
         """The motion of the plate."""
-        if math.isinf(self.frequency):
+        if math.isinf(self.frequency) or self.share == 0.0:
             return motion
         start, step, a_x, own = samples_of(motion, span)
         count = max(1, math.ceil(step * self.frequency * FINER))
@@ -96,7 +105,8 @@ class LearnedBase(Effect):
         if count > 1:
             a_x = motion.kernel(np, t, np.asarray(motion.parameters, dtype=np.float64))[0] + np.zeros(t.size)
         # That of the plate itself goes on smoothly where the motion jumps, as where a record begins or ends.
-        moves = a_x + answer(a_x, finer, self.frequency, self.damping_ratio, own)
+        moves = a_x + self.share * answer(a_x, finer, self.frequency, self.damping_ratio, own)
         numbers = table(span, start, finer, moves, part=slice(own))
         label = f"a plate of {self.frequency:g} Hz, damping ratio {self.damping_ratio:g}"
+        label += "" if self.share == 1.0 else f", {self.share:g} of its answer"
         return AlteredMotion(motion, numbers, kernel=_on_springs, max_step=finer, label=label)

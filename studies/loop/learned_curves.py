@@ -242,8 +242,8 @@ def _in_time(setup: Setup, settled: Settled, held: Mapping[str, int]) -> list[Cu
         found.append(drawn(RESPONSE, part, at, lambda m: read(m, at)))
     if f"{BASE}.frequency" in held:
         part = _Part(
-            "A plate under the block",
-            "Its acceleration over that which the sensor of the base records, in steady shaking.",
+            "A plate under the block, or a table that resonates",
+            "The acceleration under the block over that which the sensor of the base records, in steady shaking.",
             "frequency [Hz]", "amplification [1]", {},
         )  # fmt: skip
         x = np.linspace(0.0, 2.0 * model.get(f"{BASE}.frequency"), POINTS)

@@ -93,11 +93,11 @@ def loop(model: LoopModel, reach: float) -> Array:
 
 
 def amplification(model: LoopModel, frequency: Array) -> Array:
-    """Acceleration of a plate under the block over that below it [1], of sinusoids of these frequencies [Hz]."""
+    """Acceleration under the block over that which is recorded [1], of sinusoids of these frequencies [Hz]."""
     plate = model.effects[LearnedBase.name]
     r = frequency / plate["frequency"]
     lag = 2j * plate["damping_ratio"] * r
-    return np.asarray(np.abs((1.0 + lag) / (1.0 - r**2 + lag)))
+    return np.asarray(np.abs(1.0 + plate.get("share", 1.0) * r**2 / (1.0 - r**2 + lag)))
 
 
 def passed(model: LoopModel, frequency: Array) -> Array:

@@ -98,10 +98,15 @@ def candidates(block: DeclaredBlock, friction: float | None = None) -> tuple[Can
 
 def _of_the_block(block: DeclaredBlock) -> tuple[Candidate, ...]:
     b, H, I = block.breadth, block.centre_height, block.I_c  # noqa: E741
+    off = _one(
+        "eccentric_mass", "offset", 0.005 * b, [0.01 * b, -0.01 * b], -0.3 * b, 0.3 * b, fixed={"apart": 1.0}
+    )  # fmt: skip
     return (
         _one("rounded_edges", "radius", 0.01 * b, [0.01 * b, 0.03 * b], 0.0, 0.3 * b),
         _one("concave_base", "breadth", 0.02 * b, [0.98 * b, 0.94 * b], 0.5 * b, b),
-        _one("eccentric_mass", "offset", 0.005 * b, [0.01 * b, -0.01 * b], -0.3 * b, 0.3 * b),
+        off,
+        # What impacts keep on both sides of it is apart as the kept angular momentum has it, or alike.
+        replace(off, name=f"{off.name}[restitution alike]", fixed={"eccentric_mass.apart": 0.0}, after=off.name),
         Candidate(
             "mass_distribution", "mass_distribution",
             (

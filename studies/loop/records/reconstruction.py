@@ -127,7 +127,7 @@ def with_its_mass(simulator: Simulator, model: LoopModel, records: Sequence[Reco
     if len(windows) < LEAST:
         return model
     stands = fit(simulator, model, [], windows, iterations=10)
-    pool = {c.effect: c for c in candidates(model.declared) if c.effect in (MASS, OFF)}
+    pool = {c.name: c for c in candidates(model.declared) if c.name in (MASS, OFF)}
     for _ in range(len(pool)):
         if stands.chi2 < MISSED * stands.samples:
             break

@@ -25,7 +25,7 @@ from studies.loop.models.model import CHANGE, RESTITUTION, LoopModel, faded
 from studies.loop.models.parameters import Parameter
 from studies.loop.runs.simulation import Simulator
 from studies.loop.swings.trials import PAYS, E, Trial
-from studies.loop.swings.trying import SOME, every_so_many, nothing_of
+from studies.loop.swings.trying import SOME, every_so_many, nothing_of, of_some
 
 MOST = 6
 """Effects with a course that are candidates: those of which the score test expects most for their parameters.  Besides,
@@ -34,6 +34,12 @@ what a trial holds already may change."""
 CLOCKS = ("number", "use")
 """What a course goes by.  Of each effect the best one by either is a candidate: a course that ends looks much like one
 that does not, or like a step before a test."""
+
+LITTLE = 0.2
+"""Share of what is over the noise that a score test has to expect of a change, or it is not what acts."""
+
+LEADING = 0.5
+"""The same share of what it expects of the best one: the others are far behind."""
 
 LEAST_TESTS = 4
 """Tests that were fitted below which a course is not told from what differs between any two of them."""
@@ -104,12 +110,14 @@ def changing(simulator: Simulator, onto: Trial, pool: Sequence[Candidate]) -> li
         simulator, fitted, {name: forms[name].parameters for name in models}, models,
         {words: course.share for words, course in tried.items()},
     )  # fmt: skip
+    left = of_some(fitted, range(len(fitted.windows))) - sum(max(r.size - 2, 0) for r in fitted.residuals)
+    least = max(PAYS, LITTLE * left, LEADING * max(scores.values(), default=0.0))
     price = math.log(max(fitted.samples, 2))
     best: dict[tuple[str, str], tuple[float, Candidate]] = {}
     for (name, words), score in scores.items():
         course, c = tried[words], forms[name]
         # A drift of restitution, and one with what impacts took, are candidates by themselves.
-        if score < PAYS or (c.effect == RESTITUTION and course.size == "per_test"):
+        if score < least or (c.effect == RESTITUTION and course.size == "per_test"):
             continue
         candidate = _with_course(onto, c, course)
         worth = score - price * len(candidate.parameters)
@@ -149,9 +157,14 @@ def _with_course(onto: Trial, c: Candidate, course: Course) -> Candidate:
     begin = {p.name: 0.0 for p in own} | start
     starts = (begin,) if held else tuple({**begin, **one} for one in c.starts)
     return Candidate(
-        f"learned[{c.name}, {words}]", CHANGE, parameters, starts, {**({} if held else c.fixed), **fixed},
+        f"learned[{_plainly(c.name)}, {words}]", CHANGE, parameters, starts, {**({} if held else c.fixed), **fixed},
         also=() if held else (c.effect,), replaces_restitution=c.replaces_restitution and not held,
     )  # fmt: skip
+
+
+def _plainly(name: str) -> str:
+    """The name of a form: of one that is learned what that is."""
+    return name.removeprefix("learned[").removesuffix("]") if name.startswith("learned[") else name
 
 
 def _scale(p: Parameter, course: Course) -> float:

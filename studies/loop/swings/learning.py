@@ -30,6 +30,7 @@ from rocking.effects.learned_friction import FRICTION
 from rocking.effects.learned_reading import MARKS
 from studies.campaigns import DeclaredBlock
 from studies.campaigns.swings import OPEN
+from studies.loop.fits.estimating import gains
 from studies.loop.models.candidates import OF_THE_ROTATION_SENSOR, Candidate, candidates
 from studies.loop.models.model import CHANGE, DRIFT, FADING
 from studies.loop.models.parameters import Parameter
@@ -38,6 +39,7 @@ from studies.loop.runs.simulation import Simulator
 from studies.loop.swings.changing import changing
 from studies.loop.swings.tracing import search
 from studies.loop.swings.trials import PAYS, Trial, bic, pays
+from studies.loop.swings.trying import SOME, every_so_many
 
 LEAST_GAIN = 0.03
 """Share by which the rms of the swings has to fall for one more coefficient."""
@@ -100,6 +102,15 @@ SENSORS = (5.0, 15.0, 40.0)
 
 PLATES = (3.0, 5.0, 8.0, 13.0, 20.0, 32.0)
 """Frequencies from which a plate is tried [Hz]."""
+
+RESONANCES = 1.2 ** np.arange(20)
+"""Frequencies from which a table that resonates is tried, 1 to 32 Hz: closer, since such a resonance is sharp."""
+
+RESONANCE = 0.05
+"""Damping ratio from which it is tried."""
+
+RESONANCES_FITTED = 2
+"""Frequencies from which it is fitted."""
 
 PLATES_FITTED = 3
 """Starts of it that are fitted: those that explain most as they are."""
@@ -173,15 +184,16 @@ def by_itself(simulator: Simulator, onto: Trial) -> list[Candidate]:
     """What has no name, is said by a number or two, and may be all that acts."""
     declared, windows = onto.swing.model.declared, onto.swing.windows
     few = [c for c in readings(declared, windows) if len(c.parameters) == 1]
-    between_them, changes = between(simulator, windows), _changes(simulator, onto)
-    return [*unnamed(declared), *few, *answering(windows), *memories(declared, windows), *between_them, *changes]
+    between_them = *between(simulator, windows), *resonating(simulator, onto), *_changes(simulator, onto)
+    return [*unnamed(declared), *few, *answering(windows), *memories(declared, windows), *between_them]
 
 
 def _changes(simulator: Simulator, onto: Trial) -> list[Candidate]:
-    """Effects with a name that change in the course of the campaign."""
-    read = _rotation_was_read(onto.swing.windows)
-    pool = [c for c in candidates(onto.swing.model.declared) if read or c.effect not in OF_THE_ROTATION_SENSOR]
-    return changing(simulator, onto, pool)
+    """Effects with a name, and coefficients without one, that change in the course of the campaign."""
+    read, declared = _rotation_was_read(onto.swing.windows), onto.swing.model.declared
+    pool = [c for c in candidates(declared) if read or c.effect not in OF_THE_ROTATION_SENSOR]
+    single = [c for c in unnamed(declared) if c.smooth and len(c.parameters) == 1 and c.parameters[0].name != DRIFT]
+    return changing(simulator, onto, [*pool, *single])
 
 
 def _term(full: str, size: float) -> Candidate:
@@ -310,7 +322,7 @@ def between(simulator: Simulator, windows: Sequence[Window]) -> tuple[Candidate,
     frequency, damping = f"{BASE}.frequency", f"{BASE}.damping_ratio"
     own = Parameter(frequency, 0.1, 0.5, 100.0, log=True), Parameter(damping, 0.3, 1e-3, 3.0, log=True)
     starts = tuple({frequency: f, damping: share} for f in PLATES for share in (0.05, 0.5))
-    plate = Candidate("learned[plate]", BASE, own, starts, {}, smooth=False, screened=PLATES_FITTED)
+    plate = Candidate("learned[plate]", BASE, own, starts, {f"{BASE}.share": 1.0}, smooth=False, screened=PLATES_FITTED)
     corner = Parameter(f"{COUPLING}.corner_frequency", 0.02, 0.0, 10.0)
     clock = Parameter(f"{TIMING}.pace", 0.001, -0.1, 0.1), Parameter(f"{TIMING}.lag", 0.001, -0.2, 0.2)
     clocks = (
@@ -324,6 +336,30 @@ def between(simulator: Simulator, windows: Sequence[Window]) -> tuple[Candidate,
     read = not any(w.accelerometers for w in windows)
     coupled = Candidate("learned[coupled base sensor]", COUPLING, (corner,), (), {})
     return plate, coupled, *(clocks if read else ())
+
+
+def resonating(simulator: Simulator, onto: Trial) -> tuple[Candidate, ...]:
+    """A table that resonates, where a base was shaken, begun from the frequencies that a score test ranks first.
+
+    Its resonance is sharp, and from beside it no fit goes there; the size enters linearly.
+    """
+    windows = onto.swing.windows
+    shaken = [i for i, w in enumerate(windows) if simulator.tests[w.test].kind == "forced"]
+    if not shaken:
+        return ()
+    chosen = [shaken[k] for k in every_so_many(len(shaken), SOME)]
+    fitted = replace(
+        onto.swing, windows=tuple(windows[i] for i in chosen), residuals=tuple(onto.swing.residuals[i] for i in chosen)
+    )
+    share, frequency, damping = (f"{BASE}.{name}" for name in ("share", "frequency", "damping_ratio"))
+    size = Parameter(share, 0.05, -2.0, 0.9)
+    starts = [{frequency: float(f), damping: RESONANCE, share: 0.0} for f in RESONANCES]
+    models = {str(k): onto.swing.model.changed(start) for k, start in enumerate(starts)}
+    scores = gains(simulator, fitted, dict.fromkeys(models, (size,)), models)
+    best = sorted(scores, key=lambda k: -scores[k] if math.isfinite(scores[k]) else math.inf)[:RESONANCES_FITTED]
+    own = Parameter(frequency, 0.1, 0.5, 100.0, log=True), Parameter(damping, 0.3, 1e-3, 3.0, log=True)
+    begun = tuple(starts[int(k)] for k in best)
+    return (Candidate("learned[table resonates]", BASE, (size, *own), begun, {}, smooth=False, scouts=(share,)),)
 
 
 def inner(block: DeclaredBlock, released: bool) -> tuple[Candidate, ...]:
@@ -435,8 +471,8 @@ def _at_hand(simulator: Simulator, onto: Trial) -> tuple[Candidate, ...]:
     """What has no states that go on from swing to swing."""
     declared, windows = onto.swing.model.declared, onto.swing.windows
     forms = (c for form in (readings, profiles, memories) for c in form(declared, windows))
-    every = *terms(declared), *forms, *answering(windows), *between(simulator, windows), *_changes(simulator, onto)
-    return every
+    between_them = *between(simulator, windows), *resonating(simulator, onto), *_changes(simulator, onto)
+    return (*terms(declared), *forms, *answering(windows), *between_them)
 
 
 def alike(simulator: Simulator, without: Trial, found: Trial, tell: Callable[[str], None]) -> list[Trial]:

@@ -6,7 +6,7 @@ Status   studies/loop_trials.py measures what is found so
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
@@ -135,10 +135,11 @@ def chosen_for(onto: Trial, candidate: Candidate) -> list[int]:
     return sorted(int(i) for i in np.argsort(-left, kind="stable")[:some_of])
 
 
-def of_some(found: Fit, chosen: Sequence[int]) -> float:
+def of_some(found: Fit, chosen: Iterable[int]) -> float:
     """Chi-square of some windows, less for those far off."""
-    some = [found.windows[i] for i in chosen]
-    return float(objectives(found.model, [found.residuals[i] for i in chosen], some, HUBER).sum())
+    those = [*chosen]
+    some = [found.windows[i] for i in those]
+    return float(objectives(found.model, [found.residuals[i] for i in those], some, HUBER).sum())
 
 
 def nothing_of(onto: Trial, candidate: Candidate) -> dict[str, float]:

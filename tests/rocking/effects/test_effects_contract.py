@@ -25,7 +25,7 @@ PRESENT: dict[str, dict[str, float]] = {
     "bouncing": {"normal_restitution": 0.2, "friction": 0.9},
     "compliant_base": {"corner_stiffness": 5e6, "damping_ratio": 0.5},
     "concave_base": {"breadth": 0.17},
-    "eccentric_mass": {"offset": -0.012},
+    "eccentric_mass": {"offset": -0.012, "apart": 0.7},
     "learned_term": {
         "bias": 0.05,
         "side": 0.03,
@@ -44,7 +44,7 @@ PRESENT: dict[str, dict[str, float]] = {
         "side_friction": -0.01,
         "outward": 0.03,
     },
-    "learned_base": {"frequency": 9.0, "damping_ratio": 0.1},
+    "learned_base": {"frequency": 9.0, "damping_ratio": 0.1, "share": 0.8},
     "learned_coupling": {"corner_frequency": 0.3},
     "learned_curve": {
         "odd_reach": 0.2,

@@ -93,6 +93,21 @@ def test_a_restitution_that_is_given_is_that_of_the_form(block: Block, name: str
 
 # Let go a little on either side of the tilt at which the centre of mass is over the contact, a block goes to either
 # side.  With a rounded edge the contact is at s (a + r phi): balance where tan(phi) = (a - s o) / (H - r).
+def test_a_given_restitution_may_be_alike_on_both_sides_of_a_mass_off_the_middle(block: Block) -> None:
+    """As measured of a block whose loss is no matter of the kept angular momentum; one between is apart by its root."""
+    apart = {
+        share: composed(
+            block, "eccentric_mass.offset=0.01", f"eccentric_mass.apart={share}", restitution=0.9
+        ).restitutions
+        for share in (0.0, 0.5, 1.0)
+    }
+    assert apart[0.0] == (0.9, 0.9)
+    assert apart[1.0][0] / apart[1.0][1] == pytest.approx((apart[0.5][0] / apart[0.5][1]) ** 2, rel=1e-12)
+    assert apart[1.0][0] != pytest.approx(apart[1.0][1], rel=1e-3)
+    with pytest.raises(ValueError, match="apart=1.5"):
+        load("eccentric_mass")(offset=0.01, apart=1.5)
+
+
 @pytest.mark.parametrize("s", [1.0, -1.0])
 @pytest.mark.parametrize("name", FORMS)
 def test_the_tilt_of_unstable_balance_parts_the_fall_from_the_return(run_with: Any, name: str, s: float) -> None:

@@ -73,6 +73,31 @@ def test_under_a_record_that_begins_and_ends_at_once_it_is_that_of_another_integ
     assert not there(motion, np.linspace(0.0, 0.3 - 1e-6, 100)).a_x.any()
 
 
+@pytest.mark.parametrize(("mass", "frequency", "damping"), [(0.01, 2.6, 0.02), (0.2, 5.0, 0.1)])
+@pytest.mark.parametrize("shaking", [1.5, 2.62, 4.0])
+def test_a_table_of_a_given_force_moves_otherwise_where_something_else_stands_on_it(
+    mass: float, frequency: float, damping: float, shaking: float
+) -> None:
+    """The equations of both, solved in steady shaking: m (a + y'') = -c y' - k y, (M - m) a + m (a + y'') = M a_given.
+
+    On the table it has the frequency and the damping given; a table that gives way makes both 1 / sqrt(1 - m/M) more.
+    """
+    w, W = 2.0 * math.pi * frequency, 2.0 * math.pi * shaking
+    matrix = np.array([
+        [mass, mass + 2.0 * damping * w * mass / (1j * W) + w**2 * mass / (1j * W) ** 2],  # of a and y''
+        [1.0, mass],
+    ])  # fmt: skip
+    ratio = np.linalg.solve(matrix, np.array([0.0, 1.0]))[0]
+    more = 1.0 / math.sqrt(1.0 - mass)
+    effect = LearnedBase(frequency * more, damping * more, -mass / (1.0 - mass))
+    end = 4.0 + 8.0 / (damping * w)
+    t = np.arange(0.0, end, STEP)
+    motion = effect.base_motion(SampledMotion(STEP, 1.7 * np.sin(W * t)), (0.0, end), 9.81)
+    late = np.linspace(end - 1.0, end - 0.1, 331)
+    expected = 1.7 * np.imag(ratio * np.exp(1j * W * late))
+    np.testing.assert_allclose(there(motion, late).a_x, expected, rtol=0.0, atol=2e-3 * 1.7 * max(1.0, abs(ratio)))
+
+
 def test_a_stiff_plate_moves_as_its_base_and_one_that_is_not_there_is_the_base() -> None:
     recorded = SteadySinusoid(2.0, 2.0, 4.0)
     t = np.linspace(1.0, 3.0, 201)

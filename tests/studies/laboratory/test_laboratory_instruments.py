@@ -23,7 +23,7 @@ def test_an_accelerometer_that_is_mounted_askew_reads_along_its_own_axis(monkeyp
     angle, felt = 0.1, np.array([[2.0, 9.8]])
     monkeypatch.setattr(instruments, "point_acceleration", lambda *_: felt)
     monkeypatch.setattr(instruments, "felt_by_motion", lambda *_: np.zeros((1, 5, 4)))
-    plan, lab = SimpleNamespace(motion=None, rate=100.0, samples=1), SimpleNamespace(table=table.Table())
+    plan, lab = SimpleNamespace(motion=None, rate=100.0, samples=1, order=0), Lab(WORLD)
 
     def read(axis: tuple[float, float]) -> float:
         channel = Channel("it", "block_acceleration", 0.0, (0.0, 0.3), axis)

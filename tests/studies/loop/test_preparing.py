@@ -102,7 +102,8 @@ def test_every_candidate_is_absent_from_the_block_as_declared(height: Any, inert
 
 
 def test_a_lean_that_was_aimed_at_has_the_deviation_that_it_is_given_for_the_floor() -> None:
-    read, aimed = (SimpleNamespace(theta=0.1, theta_sd=2e-3, lean_read=r) for r in (True, False))
-    model: Any = SimpleNamespace(reading_slope=lambda theta: 1.25)
+    read, aimed = (SimpleNamespace(test=3, theta=0.1, theta_sd=2e-3, lean_read=r) for r in (True, False))
+    in_test = {3: SimpleNamespace(reading_slope=lambda theta: 1.25)}
+    model: Any = SimpleNamespace(in_test=in_test.__getitem__)
     # Of a window it is twice the standard deviation of what was read, and that of what was aimed at.
     assert _lean_sds(SimpleNamespace(whole_held=(read, aimed)), model) == pytest.approx([0.8e-3, 2e-3])  # type: ignore[arg-type]

@@ -446,8 +446,11 @@ def test_another_form_of_an_effect_may_take_its_place() -> None:
     [
         (True, 0.001, ""),
         (False, 0.001, "does not carry over whole records"),
-        # Gusts: 11 and 17 mrad of tests that were fitted and held out, and 8 and 88 with a curve.
-        (True, 0.09, "raises the error of the tests held out from 0.017 to 0.09 rad"),
+        # Gusts: 11 and 17 mrad of tests that were fitted and held out, and 8 and 88 with a curve.  Here those fitted
+        # are met 2 and 15 times better, those held out 24 times worse.
+        (True, 0.4, "raises the error of the tests held out from 0.017 to 0.4 rad"),
+        # sprung_table-101001, a plate: 0.80 and 1.1677 mrad without, 0.31 and 1.1678 with it.
+        (True, 0.018, ""),
     ],
 )
 @pytest.mark.parametrize("by_search", [True, False])

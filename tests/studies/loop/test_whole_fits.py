@@ -31,7 +31,7 @@ def record(sd: float, theta: float = 0.1) -> Window:
 def test_other_weights_leave_aside_those_before_and_keep_what_the_records_say(monkeypatch: pytest.MonkeyPatch) -> None:
     """By hand, in units of the sensor's noise: 3 of the record itself, sqrt(8) of base noise, twice its variance."""
     setup: Any = SimpleNamespace(whole=[record(3.0)], noisy=None, campaign=SimpleNamespace(tests=[None]))
-    monkeypatch.setattr(whole_fits, "variances", lambda *_: [np.full(400, 8.0 * NOISE**2)])
+    monkeypatch.setattr(whole_fits, "variances", lambda *_, **__: [np.full(400, 8.0 * NOISE**2)])
     model: Any = None
     [found] = whole_fits.weighed_under(setup, model, [record(70.0, theta=0.2)])
     assert found.theta == 0.2 and found.sd == pytest.approx(np.full(400, 5.0 * NOISE), rel=1e-12)
