@@ -28,6 +28,9 @@ SOME_COSTLY = 16
 SCOUTED = 2
 """Starts of a candidate with scouts from which all of its parameters are fitted."""
 
+FURTHER = 8
+"""Steps of a fit on some windows that a few have left worse than without the candidate."""
+
 NOTHING = 0.05
 """A gain on some of the windows below this share of `PAYS` promises nothing."""
 
@@ -76,8 +79,11 @@ def on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> First | 
                 reason = str(refusal)
     if not begun:
         return reason
-    best = min(begun, key=lambda f: f.chi2)
-    return First(best.model, parameters, of_some(onto.swing, chosen) - best.chi2)
+    best, without = min(begun, key=lambda f: f.chi2), of_some(onto.swing, chosen)
+    if best.chi2 > without and not best.converged and not (candidate.costly or onto.costly):
+        # What is worse than nothing of it has not arrived: it says nothing yet of what it may explain.
+        best = fit(simulator, best.model, parameters, best.windows, iterations=FURTHER)
+    return First(best.model, parameters, without - best.chi2)
 
 
 def on_all(simulator: Simulator, onto: Trial, candidate: Candidate, first: First) -> Fit:
