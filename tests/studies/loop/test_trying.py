@@ -28,3 +28,35 @@ def test_states_that_serve_a_candidate_worse_than_nothing_of_it_are_begun_anew(
     first: Any = First("strong", ("p",), PAYS)  # type: ignore[arg-type]
     found = trying.on_all("simulator", onto, candidate, first)  # type: ignore[arg-type]
     assert found == (("p",), ("a anew", "b anew") if anew else ("a", "b"), 4)
+
+
+# quadratic_drag+tether-101001: a string on one side beside the drag was left after three steps by 400 worse than none,
+# was let go for that, and explains 4,100 after some more.
+@pytest.mark.parametrize(
+    ("left", "converged", "costly", "gained"),
+    [(140.0, False, False, 70.0), (140.0, True, False, -40.0), (140.0, False, True, -40.0), (90.0, False, False, 10.0)],
+)
+def test_a_fit_that_is_worse_than_nothing_goes_on_before_it_is_judged(
+    monkeypatch: pytest.MonkeyPatch, left: float, converged: bool, costly: bool, gained: float
+) -> None:
+    def fit(simulator: Any, model: str, parameters: Any, windows: Any, *, iterations: int) -> Any:
+        further = iterations == trying.FURTHER
+        return SimpleNamespace(
+            chi2=30.0 if further else left, model="there", windows=windows, converged=further or converged
+        )
+
+    monkeypatch.setattr(trying, "fit", fit)
+    monkeypatch.setattr(trying, "afresh", lambda simulator, model, windows: (windows, 0.0))
+    monkeypatch.setattr(trying, "chosen_for", lambda onto, candidate: [0])
+    monkeypatch.setattr(trying, "nothing_of", lambda onto, candidate: {})
+    monkeypatch.setattr(trying, "of_some", lambda found, chosen: 100.0)
+    model = SimpleNamespace(changed=lambda values: "begun")
+    onto: Any = SimpleNamespace(
+        swing=SimpleNamespace(windows=("a",), model=model), costly=costly, parameters=(), calibrated_with=lambda c: ()
+    )
+    candidate: Any = SimpleNamespace(
+        starts=({"slack": 0.1},), fixed={}, smooth=False, scouts=(), screened=0, costly=False, parameters=()
+    )
+    found = trying.on_some("simulator", onto, candidate)  # type: ignore[arg-type]
+    assert isinstance(found, First)
+    assert found.gained == gained
