@@ -89,7 +89,8 @@ def courses(model: LoopModel, tests: int, fitted: Sequence[int]) -> list[Course]
 def changing(simulator: Simulator, onto: Trial, pool: Sequence[Candidate]) -> list[Candidate]:
     """The effects of a pool with the courses that promise most on top of a trial; of restitution a step alone.
 
-    pool: of effects with a name; those without a derivative at nothing are left out unless the trial has them.
+    pool: of effects with a name, and of coefficients without; those without a derivative at nothing are left out unless
+        the trial has them, coefficients unless they promise far more than any name.
     """
     windows = onto.swing.windows
     chosen = every_so_many(len(windows), SOME)
@@ -123,6 +124,9 @@ def changing(simulator: Simulator, onto: Trial, pool: Sequence[Candidate]) -> li
         worth = score - price * len(candidate.parameters)
         if worth > best.get((name, course.clock), (-math.inf, None))[0]:
             best[name, course.clock] = worth, candidate
+    # In free decays a torque to either side is all but another gain of the sensor: a name says it unless it says less.
+    by_name = max((worth for (name, _), (worth, _) in best.items() if not _has_no_name(forms[name])), default=-math.inf)
+    best = {k: v for k, v in best.items() if not _has_no_name(forms[k[0]]) or v[0] > by_name + PAYS}
     ranked = sorted(best, key=lambda key: -best[key][0])
     there_already = [key for key in ranked[MOST:] if forms[key[0]].effect in onto.effects]
     return [best[key][1] for key in (*ranked[:MOST], *there_already)]
@@ -162,9 +166,15 @@ def _with_course(onto: Trial, c: Candidate, course: Course) -> Candidate:
     )  # fmt: skip
 
 
+def _has_no_name(c: Candidate) -> bool:
+    return c.name.startswith("learned[")
+
+
 def _plainly(name: str) -> str:
-    """The name of a form: of one that is learned what that is."""
-    return name.removeprefix("learned[").removesuffix("]") if name.startswith("learned[") else name
+    """The name of a form, without brackets: of one that is learned what that is."""
+    if name.startswith("learned["):
+        return name.removeprefix("learned[").removesuffix("]")
+    return name.replace("[", " (").replace("]", ")")
 
 
 def _scale(p: Parameter, course: Course) -> float:
