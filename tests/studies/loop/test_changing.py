@@ -98,14 +98,18 @@ def test_something_in_the_block_that_moves_between_two_tests() -> None:
 
 @pytest.mark.slow
 def test_a_sensor_that_warms_up() -> None:
-    """Its gain ends 2 % higher: the leans at release are read by it too, and are as uncertain as before."""
+    """Its gain ends 2 % higher: the leans at release are read by it too, and are as uncertain as before.
+
+    Leans that become smaller let both clocks say so; in each test a reading is right to the noise of one.
+    """
     simulator, plain = decays(gain=lambda k: 1.0 + 0.02 * (1.0 - np.exp(-0.3 * k)))
     found = found_of(simulator, plain)
     assert found.names[0].startswith("learned[rotation_gain, ")
     assert found.names[0].endswith(" ever less]")
     assert found.swing.rms < 1.01 < 1.3 < plain.swing.rms
-    later = found.swing.model.in_test(100)
-    assert float(later.reading(0.1)) == pytest.approx(0.102, abs=2e-4)
+    for k in range(len(LEANS)):
+        read = float(found.swing.model.in_test(k).reading(0.1))
+        assert read == pytest.approx(0.1 + 0.002 * (1.0 - np.exp(-0.3 * k)), abs=NOISE)
 
 
 @pytest.mark.slow
@@ -126,7 +130,7 @@ def test_the_rest_of_an_effect_with_a_name_is_its_change() -> None:
 
 @pytest.mark.slow
 def test_edges_that_impacts_wear() -> None:
-    """The edges go inwards by 0.4 mm in all, as impacts go on: by the squares of their speeds until a test's middle.
+    """The edges go inwards by 0.9 mm in all, as impacts go on: by the squares of their speeds until a test's middle.
 
     Three releases from far are nearly all of it, and four from near next to nothing: the number of the test is another
     clock.  The square of the lean stands for the sum.
@@ -134,7 +138,7 @@ def test_edges_that_impacts_wear() -> None:
     leans = (0.26, -0.25, 0.26, -0.1, 0.11, -0.12, 0.1)
     squares = np.square(leans)
     taken = np.cumsum(squares) - 0.5 * squares
-    simulator, plain = decays(lambda k: replace(IDEAL, half_breadth=0.1 - 1.5e-3 * taken[k]), leans=leans)
+    simulator, plain = decays(lambda k: replace(IDEAL, half_breadth=0.1 - 4e-3 * taken[k]), leans=leans)
     found = found_of(simulator, plain)
     assert "wearing" in found.names[0]
     assert found.swing.rms < 1.01 < 1.1 < plain.swing.rms

@@ -323,11 +323,11 @@ def test_a_plate_between_the_sensor_of_the_base_and_the_block_is_learned() -> No
 
 @pytest.mark.slow
 def test_something_else_that_resonates_on_the_table_is_learned() -> None:
-    """A hundredth of what moves, at 3.1 Hz, damping ratio 0.03, on a table of a given force; by SciPy's Runge-Kutta.
+    """A hundredth of what moves, at 2.4 Hz, damping ratio 0.03, on a table of a given force; by SciPy's Runge-Kutta.
 
     (1 - m) a + m (a + y'') = recorded, with y'' + 2 z w y' + w^2 y = -a: y'' = (-recorded - rest) / (1 - m).
     """
-    mass, z, w, time = 0.01, 0.03, 2.0 * np.pi * 3.1, STEP * np.arange(2501)
+    mass, z, w, time = 0.01, 0.03, 2.0 * np.pi * 2.4, STEP * np.arange(2501)
 
     def felt(push: np.ndarray) -> np.ndarray:
         def relative(t: float | np.ndarray, y: np.ndarray) -> Any:
@@ -339,10 +339,10 @@ def test_something_else_that_resonates_on_the_table_is_learned() -> None:
         ).y
         return np.asarray(push - mass * relative(time, there))
 
-    found = shaken(nothing, felt, ((2.0, 4.5), (3.6, 6.0)))
+    found = shaken(nothing, felt, ((2.0, 4.5), (2.6, 4.4)))
     assert found.names == ("learned[table resonates]",)
     more = 1.0 / math.sqrt(1.0 - mass)
-    assert found.swing.model.get("learned_base.frequency") == pytest.approx(3.1 * more, rel=0.005)
+    assert found.swing.model.get("learned_base.frequency") == pytest.approx(2.4 * more, rel=0.005)
     assert found.swing.model.get("learned_base.damping_ratio") == pytest.approx(z * more, rel=0.15)
     assert found.swing.model.get("learned_base.share") == pytest.approx(-mass / (1.0 - mass), rel=0.1)
 
