@@ -488,9 +488,9 @@ def _of_held_out(
     if verdict != "effect" or not (after >= before and after > REFUTED * floor):
         return verdict, ()
     return "unexplained", (
-        f"{' and '.join(map(readable, chosen.names))} lowers the error of the tests that were fitted from "
-        f"{found['before'].fit:.3g} to {found['after'].fit:.3g} {_units(setup)}, and not that of the tests held out, "
-        f"{before:.3g} before and {after:.3g} after: something else acts",
+        f"with {' and '.join(map(readable, chosen.names))} the error of the tests that were fitted goes from "
+        f"{found['before'].fit:.3g} to {found['after'].fit:.3g} {_units(setup)}, and that of the tests held out is not "
+        f"lowered, {before:.3g} before and {after:.3g} after: something else acts",
     )
 
 
@@ -504,7 +504,7 @@ def _of_intervals(
 
     def may_be_nothing(part: Candidate) -> bool:
         absent = part.absent(chosen.swing.model.declared)
-        return all(sure[p.name][1] <= absent[p.name] <= sure[p.name][2] for p in part.parameters)
+        return all(p.name in sure and sure[p.name][1] <= absent[p.name] <= sure[p.name][2] for p in part.parameters)
 
     if verdict != "effect" or not all(may_be_nothing(part) for part in chosen.parts):
         return verdict, ()

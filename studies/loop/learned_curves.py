@@ -194,7 +194,7 @@ def _in_the_course(setup: Setup, settled: Settled, held: Mapping[str, int]) -> l
     """What changes from test to test, by parameter."""
     model, found = settled.whole.model, []
     x = np.arange(len(setup.campaign.tests), dtype=np.float64)
-    for full in model.changes:
+    for full in model.acting_changes:
         effect, _, parameter = full.partition(".")
         own = [name for name in held if name == full or (name.startswith(f"{CHANGE}.") and name.endswith(f".{full}"))]
         if not own:

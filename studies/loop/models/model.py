@@ -146,11 +146,17 @@ class LoopModel:
     def effects_now(self) -> dict[str, dict[str, float]]:
         """Parameters by name, by effect, in this test."""
         given = {name: dict(parameters) for name, parameters in self.effects.items()}
-        for full, change in self.changes.items():
+        for full, change in self.acting_changes.items():
             effect, _, parameter = full.partition(".")
-            if effect in given:
+            if parameter:
                 given[effect][parameter] = Change(**change).at(given[effect][parameter], self.number, self.use)
         return given
+
+    @property
+    def acting_changes(self) -> dict[str, Mapping[str, float]]:
+        """Those of the restitution and of parameters that are there: of an effect that was taken out none is left."""
+        there = {f"{effect}.{name}" for effect, own in self.effects.items() for name in own} | {RESTITUTION}
+        return {full: change for full, change in self.changes.items() if full in there}
 
     @property
     def use(self) -> float:
@@ -175,7 +181,7 @@ class LoopModel:
     @property
     def varies(self) -> bool:
         """Whether it is another one in another test."""
-        return self.drift != 0.0 or bool(self.changes)
+        return self.drift != 0.0 or bool(self.acting_changes)
 
     @cached_property
     def _in_tests(self) -> dict[int, LoopModel]:

@@ -49,8 +49,9 @@ def write_model(model: LoopModel, path: Path, title: str = "", more: Mapping[str
         "effects": {name: dict(parameters) for name, parameters in model.effects.items()},
         "mountings": dict(model.mountings),
     }
-    if model.changes:
-        content["changes"] = {name: asdict(Change(**change)) for name, change in model.changes.items()}
+    changes = {name: asdict(Change(**change)) for name, change in model.acting_changes.items()}
+    if changes:
+        content["changes"] = changes
         content["model"]["uses"] = [*model.uses]
     save_text(tomli_w.dumps(content | dict(more or {})), path)
 

@@ -24,6 +24,7 @@ from studies.loop.models.candidates import Candidate
 from studies.loop.models.model import CHANGE, RESTITUTION, LoopModel, faded
 from studies.loop.models.parameters import Parameter
 from studies.loop.runs.simulation import Simulator
+from studies.loop.swings.tracing import LEADING
 from studies.loop.swings.trials import PAYS, E, Trial
 from studies.loop.swings.trying import SOME, every_so_many, nothing_of, of_some
 
@@ -37,9 +38,6 @@ that does not, or like a step before a test."""
 
 LITTLE = 0.2
 """Share of what is over the noise that a score test has to expect of a change, or it is not what acts."""
-
-LEADING = 0.5
-"""The same share of what it expects of the best one: the others are far behind."""
 
 LEAST_TESTS = 4
 """Tests that were fitted below which a course is not told from what differs between any two of them."""

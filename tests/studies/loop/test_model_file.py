@@ -112,6 +112,10 @@ def test_changes_are_kept_in_the_file(tmp_path: Path) -> None:
         assert found.in_test(number).restitution_now == model.in_test(number).restitution_now
     assert found.restitution_now == pytest.approx(0.9 - 1e-3 * 5.0, rel=1e-12)  # after the last test one like all
     assert found.number == 4
+    # Of an effect that was taken out no change is left, and none is written that could not be read again.
+    without = replace(model, effects={})
+    write_model(without, tmp_path / "without.toml")
+    assert set(read_model(tmp_path / "without.toml").changes) == {"restitution"}
 
 
 @pytest.mark.parametrize(
