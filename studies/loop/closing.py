@@ -49,6 +49,7 @@ from studies.loop.whole.floors_that_give import from_whole_records
 from studies.loop.whole.remaining import (
     CLOSELY,
     MISSED_BY_FAR,
+    begins_roughly,
     by_chance,
     met,
     missed,
@@ -66,6 +67,7 @@ from studies.loop.whole.whole_records import (
     MISSED,
     as_the_base_moves_them,
     explains_more,
+    halves,
     hinted,
     hints,
     remembering_all,
@@ -348,7 +350,7 @@ def _otherwise(
             return best
         if not closely and bic(best.swing) < bic(named.swing) + PAYS:
             best, there = remembering_all(setup, best, whole_fit(setup, best, whole))
-            if explains_more(setup, there, whole):
+            if _preferred(setup, best, there, named, whole):
                 return best
     if closely:
         return None
@@ -362,7 +364,18 @@ def _otherwise(
         for t in hints(plain, replace(by_law, trials=open_to_it))
     ]
     found = hinted(setup, plain, bare, replace(by_law, trials=likely))
-    return next((r.trial for r in found[:1] if explains_more(setup, r.whole, whole)), None)
+    return next((r.trial for r in found[:1] if _preferred(setup, r.trial, r.whole, named, whole)), None)
+
+
+def _preferred(setup: Setup, one: Trial, there: Fit, named: Trial, whole: Fit) -> bool:
+    """Whether whole records prefer a law without a name; one of more parameters than the names have has to mend them.
+
+    Where a record hangs on the noise of the base, such a law leaves a little less of it than the truth does.
+
+    there, whole: its fit on whole records, and that of the names.
+    """
+    freer = len(one.parameters) > len(named.parameters)
+    return halves(setup, there, whole) if freer else explains_more(setup, there, whole)
 
 
 def _one_in_place_of(setup: Setup, plain: Trial, named: Trial, whole: Fit, tell: Tell) -> Trial | None:
@@ -387,9 +400,10 @@ def _kept(
     before: the calibrated block, settled.
     whole: the fit on whole records of the effects that stand.
     """
-    chosen: Trial | None = path.term
     verdict: Verdict = "unexplained"
-    if chosen is None:
+    if path.term is not None:
+        chosen = _further(setup, plain, path.term, tell)
+    else:
         chosen, verdict = _explained(setup, plain, path.fits[0], stands, whole, tell)
     by_name = settle(setup, stands, whole) if stands.parts else before
     if chosen is stands:
@@ -414,6 +428,16 @@ def _kept(
     if doubted or over_noise(setup, stands) > structure(setup):
         return stands, "unexplained", by_name, (said,)
     return stands, "effect" if stands.parts else "none", by_name, (said,)
+
+
+def _further(setup: Setup, plain: Trial, term: Trial, tell: Tell) -> Trial:
+    """One coefficient without a name, or what is learned in its place where it is ahead of all names and not all that
+    acts."""
+    if begins_roughly(term) or over_noise(setup, term) <= unexplained(setup):
+        return term
+    tell("learning what no effect explains")
+    more = learn(setup.simulator, plain, tell)
+    return more if bic(more.swing) < bic(term.swing) - PAYS else term
 
 
 def _shaped(setup: Setup, plain: Trial, found: Trial, tell: Tell) -> tuple[Trial, Fit]:

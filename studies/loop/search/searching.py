@@ -61,6 +61,8 @@ ONE_BESIDE = "one coefficient without a name beside what was found leaves nothin
 
 ONE_FORM = "one form without a name leaves nothing over the noise, nor of whole records; runs take long"
 
+ONE_AHEAD = "one coefficient without a name explains more than what was found; runs take long"
+
 
 def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     """The path that serves best; after its own rounds come those of the paths that were left.
@@ -120,6 +122,10 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     if form is not None:
         rounds = [replace(r, skipped=r.skipped | {c.name: ONE_FORM for c in r.put_off}) for r in rounds]
         return replace(_told(setup, quick, paths, greedy, rounds), term=form)
+    ahead = _term_ahead(setup, plain, quick, rounds, tell) if floor is None else None
+    if ahead is not None:
+        rounds = [replace(r, skipped=r.skipped | {c.name: ONE_AHEAD for c in r.put_off}) for r in rounds]
+        return replace(_told(setup, quick, paths, greedy, rounds), term=ahead)
     third = _with_a_third(setup, quick, pool, tell)
     if third is not None:
         rounds = [_with_reason(r) for r in _merged([third, *paths])]
@@ -333,6 +339,26 @@ def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial 
                 return best[0]
             return best[0] if explains_more(setup, best[1], whole_fit(setup, few)) else None
     return None
+
+
+def _term_ahead(setup: Setup, plain: Trial, path: Path, rounds: Sequence[Round], tell: Tell) -> Trial | None:
+    """One coefficient without a name, whatever it leaves, that swings and whole records prefer by far to a path of
+    effects with one, where no floor meets the releases.
+
+    Neither effects that stand in for what has no name need be gone on from then, nor what is learned on top of them.
+    """
+    if path.last.costly or slips(path.last) or not _floors_are_refused(rounds, path.trials[0]):
+        return None
+    best = _best_without_a_name(setup, plain, lambda: by_itself(setup.simulator, plain), tell)
+    if best is None or not pays(path.last.swing, best.swing):
+        return None
+    best, whole = remembering_all(setup, best, whole_fit(setup, best))
+    return best if explains_more(setup, whole, path.whole) else None
+
+
+def _floors_are_refused(rounds: Sequence[Round], plain: Trial) -> bool:
+    """Whether releases refused floors that give in the place of all else."""
+    return any(NOT_OF_RELEASES in r.skipped.values() for r in rounds if same(r.onto, plain))
 
 
 def _enough(setup: Setup, term: Trial) -> tuple[Trial, Fit] | None:

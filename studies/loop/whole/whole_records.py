@@ -133,6 +133,21 @@ def as_the_base_moves_them(setup: Setup, rivals: Sequence[Rival]) -> tuple[Rival
 
 def explains_more(setup: Setup, found: Fit, other: Fit) -> bool:
     """Whether a fit of whole records leaves by far less than another one; what is noise to either counts as noise."""
+    return _by_far(*_left_by_both(setup, found, other))
+
+
+def halves(setup: Setup, found: Fit, other: Fit) -> bool:
+    """Whether it leaves by far less, and less than half of what the other one leaves over the noise."""
+    left, plain, samples = _left_by_both(setup, found, other)
+    return _by_far(left, plain, samples) and left - samples < 0.5 * (plain - samples)
+
+
+def _by_far(left: float, plain: float, samples: int) -> bool:
+    return left < plain - PAYS * max(1.0, left / samples)
+
+
+def _left_by_both(setup: Setup, found: Fit, other: Fit) -> tuple[float, float, int]:
+    """What two fits of whole records leave where these tell them apart, and the samples there."""
     sds = [1.0 / np.minimum(w.weights, o.weights) for w, o in zip(found.windows, other.windows, strict=True)]
     own, its = (
         fit(
@@ -141,8 +156,7 @@ def explains_more(setup: Setup, found: Fit, other: Fit) -> bool:
         )
         for f in (found, other)
     )  # fmt: skip
-    left, plain, samples = where_told(own, its)
-    return left < plain - PAYS * max(1.0, left / samples)
+    return where_told(own, its)
 
 
 def remembering_all(setup: Setup, trial: Trial, whole: Fit) -> tuple[Trial, Fit]:

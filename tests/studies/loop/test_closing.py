@@ -489,6 +489,34 @@ def test_one_coefficient_takes_the_place_of_a_string_that_misses_whole_records(
     assert verdict == ends and chosen is (one if ends == "unexplained" else found)
 
 
+@pytest.mark.parametrize(("parameters", "halved", "preferred"), [(1, False, True), (2, False, False), (2, True, True)])
+def test_a_law_of_more_parameters_than_the_name_has_to_mend_whole_records(monkeypatch, parameters, halved, preferred):
+    """A damping by rotation of five knots stood for a viscous one, of a campaign with a record that the base moved."""
+    monkeypatch.setattr(closing, "explains_more", lambda setup, fitted, other: (fitted, other) == ("law's", "name's"))
+    monkeypatch.setattr(closing, "halves", lambda setup, fitted, other: halved)
+    law, name = SimpleNamespace(parameters=("one",) * parameters), SimpleNamespace(parameters=("one",))
+    assert closing._preferred(None, law, "law's", name, "name's") is preferred
+
+
+@pytest.mark.parametrize(
+    ("left", "roughly", "chi2", "more"),
+    [
+        pytest.param(1.07, False, 8_000.0, True, id="it leaves something, of which more is learned"),
+        pytest.param(1.07, False, 8_950.0, False, id="nothing more is learned"),
+        pytest.param(1.04, False, 8_000.0, False, id="it explains all"),
+        pytest.param(1.07, True, 8_000.0, False, id="swings begin roughly"),
+    ],
+)
+def test_of_what_is_ahead_of_all_names_more_is_learned_where_it_is_not_all(monkeypatch, left, roughly, chi2, more):
+    plain, term, learned = (explained_trial(chi2, "learned_term") for chi2 in (20_000.0, 9_000.0, chi2))
+    monkeypatch.setattr(closing, "over_noise", lambda setup, trial: left)
+    monkeypatch.setattr(closing, "unexplained", lambda setup: 1.05)
+    monkeypatch.setattr(closing, "begins_roughly", lambda trial: roughly)
+    monkeypatch.setattr(closing, "learn", lambda simulator, onto, tell: learned if onto is plain else None)
+    found = closing._further(SimpleNamespace(simulator=None), plain, term, lambda text: None)
+    assert found is (learned if more else term)
+
+
 def test_nothing_is_learned_where_two_effects_leave_what_noise_leaves(monkeypatch):
     plain, found = explained_trial(20_000.0), explained_trial(9_000.0, "rounded_edges", "viscous_damping")
     monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.01)

@@ -482,6 +482,7 @@ def test_names_come_back_where_what_was_learned_does_not_carry(
     if by_search:  # then nothing has to be learned
         path.term = memory
         monkeypatch.setattr(closing, "_explained", None)
+        monkeypatch.setattr(closing, "_further", lambda setup, plain, term, tell: term)
     kept, said_verdict, after, said = closing._kept(setup, plain, path, settled(()), stands, None, quiet)  # type: ignore[arg-type]
     assert asked == [("learned_memory",), names]
     if not why:

@@ -18,7 +18,7 @@ from studies.loop.swings.tracing import search
 from studies.loop.swings.trials import Round, Trial
 from studies.loop.whole import remaining, whole_fits, whole_records
 from studies.loop.whole.whole_fits import gain, where_told
-from studies.loop.whole.whole_records import explains_more
+from studies.loop.whole.whole_records import explains_more, halves
 
 from .stubs import FLOOR, PLAIN, TILT, rival, trial, whole
 
@@ -72,6 +72,16 @@ def test_a_lost_record_does_not_make_up_for_what_others_lose(plain_fits):
     setup = SimpleNamespace(simulator=None)
     assert not explains_more(setup, itself(1.5, 1.5, 1.5, 25.0), itself(1.3, 1.3, 1.3, 40.0))
     assert explains_more(setup, itself(1.0, 1.0, 1.0, 40.0), itself(1.5, 1.5, 1.5, 25.0))
+
+
+def test_a_fit_that_leaves_a_little_less_of_a_record_mends_nothing(plain_fits):
+    """The truth missed a record that hung on the noise of the base by 3.8, and a curve in its place by 3.6."""
+    setup = SimpleNamespace(simulator=None)
+    truth, curve, other = itself(1.0, 1.0, 3.9), itself(1.0, 1.0, 3.2), itself(1.0, 1.0, 1.9)
+    assert explains_more(setup, curve, truth) and not halves(setup, curve, truth)
+    assert halves(setup, other, truth)
+    # Half of next to nothing is told by far too few samples.
+    assert not halves(setup, itself(1.0, 1.0, 1.1), itself(1.0, 1.0, 1.5))
 
 
 def test_what_is_noise_to_either_of_two_fits_counts_as_noise(monkeypatch):

@@ -58,7 +58,7 @@ def ways(monkeypatch):
     told = SimpleNamespace(
         chance=True, explains=True, rounds=[], accepted={}, put_off=(SimpleNamespace(name="floor"),), whole=1.4,
         trials={}, declared=True, term=False, promises=False, nothing=(),
-        form=None, from_many=None, beside=None, alone=(),
+        form=None, from_many=None, beside=None, alone=(), ahead=None,
     )  # fmt: skip
 
     def one_round(setup, onto, whole, pool, tell, known, later):
@@ -93,6 +93,8 @@ def ways(monkeypatch):
     monkeypatch.setattr(searching, "_form_in_place", lambda setup, plain, path, tell: told.form)
     told.asked_beside = searching._term_beside
     monkeypatch.setattr(searching, "_term_beside", lambda setup, plain, path, tell: told.beside)
+    told.asked_ahead = searching._term_ahead
+    monkeypatch.setattr(searching, "_term_ahead", lambda setup, plain, path, rounds, tell: told.ahead)
     told.coefficient = searching._coefficient
     monkeypatch.setattr(searching, "_coefficient", lambda setup, plain, tell: None)
     for module in (rounds, searching):
@@ -187,6 +189,54 @@ def test_floors_are_not_tried_where_a_coefficient_beside_what_was_found_or_a_for
     found = searched()
     assert found.term is (ways.beside or ways.form) and not any(not later for _, later, _ in ways.rounds)
     assert all(r.skipped == {"floor": said} for r in found.rounds)
+
+
+def test_a_coefficient_ahead_of_what_was_found_ends_the_search_for_names(ways):
+    """Edges that crumble: it left 1.07 of the swings, and two effects that stood in for it 1.12 after 400 s."""
+    ways.explains = ways.chance = False
+    ways.accepted, ways.ahead = {((), True): path_of("a")}, path_of("learned[rounded_edges, wearing evenly]")
+    found = searched()
+    assert found.term is ways.ahead and not any(not later for _, later, _ in ways.rounds)
+    assert all(r.skipped == {"floor": searching.ONE_AHEAD} for r in found.rounds)
+
+
+@pytest.mark.parametrize(
+    ("change", "taken"),
+    [
+        pytest.param({}, True, id="swings and whole records prefer it"),
+        pytest.param({"found": False}, False, id="no coefficient"),
+        pytest.param({"chi2": 945.0}, False, id="swings do not prefer it by far"),
+        pytest.param({"preferred": False}, False, id="whole records do not prefer it"),
+        pytest.param({"slips": True}, False, id="swings of what slips do not say"),
+        pytest.param({"costly": True}, False, id="a floor was found"),
+        pytest.param({"floors": "not asked"}, False, id="releases were not asked of floors"),
+        pytest.param({"floors": "on top"}, False, id="they were asked on top of an effect alone"),
+    ],
+)
+def test_a_coefficient_is_ahead_where_swings_and_whole_records_prefer_it(ways, monkeypatch, change, taken):
+    told = SimpleNamespace(found=True, chi2=500.0, preferred=True, slips=False, costly=False, floors="refused")
+    vars(told).update(change)
+    plain, term = path_of(), path_of("learned", chi2=told.chi2)
+    path = path_of("a", "b", chi2=1000.0, costly=told.costly)
+    onto = path_of("a") if told.floors == "on top" else plain
+    refused = {"floor": "another reason" if told.floors == "not asked" else searching.NOT_OF_RELEASES}
+    monkeypatch.setattr(searching, "slips", lambda trial: told.slips)
+    monkeypatch.setattr(searching, "by_itself", lambda simulator, onto: "all" if onto is plain else "none")
+    monkeypatch.setattr(searching, "remembering_all", lambda setup, trial, whole: (trial, whole))
+    monkeypatch.setattr(
+        searching, "explains_more",
+        lambda setup, one, other: told.preferred and one.of == ("learned",) and other == "path's",
+    )  # fmt: skip
+
+    def search(simulator, onto, pool, tell, leading):
+        assert onto is plain and pool == "all" and leading
+        return Round(onto, [term] if told.found else [])
+
+    monkeypatch.setattr(searching, "search", search)
+    on_the_way = SimpleNamespace(last=path, whole="path's", trials=[plain, path])
+    rounds_of_it = [Round(onto, skipped=refused)]
+    found = ways.asked_ahead(setup_of(True), plain, on_the_way, rounds_of_it, lambda text: None)
+    assert found is (term if taken else None)
 
 
 @pytest.mark.parametrize(
