@@ -94,8 +94,12 @@ FURTHEST = 1.02
 NEAR_UPRIGHT = 0.2
 """And where one ends that acts near upright."""
 
-MODES = (0.5, 0.71, 1.0, 1.41, 2.0, 2.83, 4.0, 5.66, 8.0)
-"""Circular frequencies over the block's p from which a mode is tried: a heavy one is found from no further off."""
+MODES = 0.4 * 1.15 ** np.arange(24)
+"""Circular frequencies over the block's p from which a mode is tried, up to 10: what swings for long, and far, is found
+from no further off than a tenth."""
+
+MODES_BEGUN = 4
+"""Those of them that are begun from."""
 
 SENSORS = (5.0, 15.0, 40.0)
 """Frequencies [Hz] at which fits of a slow sensor of the rotation begin."""
@@ -386,10 +390,10 @@ def inner(block: DeclaredBlock, released: bool) -> tuple[Candidate, ...]:
             Parameter(apart, 0.3, 0.0, 1.0),
         ),
         tuple(
-            {size: 0.005, height: 1.0, frequency: share * p / (2.0 * math.pi), damping: 0.1, apart: 0.5}
+            {size: 0.005, height: 1.0, frequency: float(share) * p / (2.0 * math.pi), damping: 0.1, apart: 0.5}
             for share in MODES
         ),
-        {hangs: 0.0}, smooth=False, scouts=(size,),
+        {hangs: 0.0}, smooth=False, scouts=(size,), scored=MODES_BEGUN,
     )  # fmt: skip
     hanging = replace(swinging, name="learned[mode, hanging]", fixed={hangs: 1.0}, after=swinging.name)
     size, width, time, strained, exponent = (

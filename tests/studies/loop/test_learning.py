@@ -14,62 +14,33 @@ import pytest
 from scipy.integrate import cumulative_simpson, solve_ivp
 from scipy.signal import lsim
 
-from rocking import solve
 from rocking.effects import load
 from rocking.effects.learned_curve import ODD, curve, numbers
 from rocking.effects.learned_damping import DAMPING
 from rocking.remembering import LONG_AGO
-from studies.campaigns import Channel, DeclaredBlock, Test
+from studies.campaigns import Channel, Test
 from studies.laboratory import event, table
-from studies.laboratory.parameters import G, World, uniform
-from studies.loop.fits.estimating import sensor_covariance
+from studies.laboratory.parameters import G, World
 from studies.loop.models.model import LoopModel
 from studies.loop.observed.observing import jobs_of
 from studies.loop.observed.windows import Window, in_order, record_of, swing_windows
 from studies.loop.runs.simulation import Job, Simulator
 from studies.loop.swings import learning
 from studies.loop.swings.learning import inner, learn, memories, open_to, profiles, readings
-from studies.loop.swings.tracing import baseline, search
+from studies.loop.swings.tracing import baseline
 from studies.loop.swings.trials import Trial
 
-BREADTH, HEIGHT, MASS, E, NOISE, STEP = 0.2, 0.6, 30.0, 0.93, 1e-4, 0.004
-DECLARED = DeclaredBlock(BREADTH, HEIGHT, 0.25, MASS)
-IDEAL = uniform(BREADTH, HEIGHT, MASS, E)
-LEANS = (0.26, -0.24, 0.21, -0.18, 0.15, -0.12)  # rad
-
-
-def still():
-    """A floor that does not move, for 6 s."""
-    zero = np.zeros(1501)
-    return table.pieces(STEP, zero, zero, (zero, zero, zero))
-
-
-def nothing(theta: np.ndarray) -> np.ndarray:
-    return np.zeros(theta.size)
-
-
-def decays(
-    world: World, added: Callable[[np.ndarray], np.ndarray] = nothing, gained: Sequence[float] = (0.0,) * len(LEANS)
-) -> tuple[Simulator, Trial]:
-    """Six releases, and the calibrated block fitted to their swings.
-
-    added: what the sensor adds to a rotation [rad]; gained: what each test has beyond the restitution of the world.
-    """
-    rng, tests, used = np.random.default_rng(1), [], 0.0
-    for k, lean in enumerate(LEANS):
-        now = replace(world, restitution=world.restitution + gained[k], used=used)
-        run = event.simulate(now, still(), STEP, 1, lean)
-        used += float(np.sum(run.impacts[:, 1] ** 2))
-        read = run.rotation + added(run.rotation) + NOISE * rng.standard_normal(run.rotation.size)
-        tests.append(Test(f"free-{k}", "free", run.time, (Channel("rotation", "rotation", NOISE),), {"rotation": read}))
-    return calibrated(tests)
-
-
-def calibrated(tests: Sequence[Test]) -> tuple[Simulator, Trial]:
-    records = [record_of(test, k, NOISE, DECLARED.alpha) for k, test in enumerate(tests)]
-    simulator = Simulator(tests)
-    windows = swing_windows(in_order([record for record in records if record is not None], DECLARED))
-    return simulator, baseline(simulator, LoopModel(DECLARED, E, {}, G), windows)
+from .released import (
+    DECLARED,
+    IDEAL,
+    LEANS,
+    NOISE,
+    STEP,
+    E,
+    decays,
+    nothing,
+    still,
+)  # fmt: skip
 
 
 def learned(
@@ -345,117 +316,6 @@ def test_something_else_that_resonates_on_the_table_is_learned() -> None:
     assert found.swing.model.get("learned_base.frequency") == pytest.approx(2.4 * more, rel=0.005)
     assert found.swing.model.get("learned_base.damping_ratio") == pytest.approx(z * more, rel=0.15)
     assert found.swing.model.get("learned_base.share") == pytest.approx(-mass / (1.0 - mass), rel=0.1)
-
-
-def first_learned(world: World) -> Trial:
-    """The form that explains most by itself, of those that are no single coefficient; nine tenths of what is left."""
-    simulator, plain = decays(world)
-    windows = plain.swing.windows
-    pool = [c for form in (readings, profiles, memories) for c in form(DECLARED, windows)]
-    best = search(simulator, plain, [*pool, *inner(DECLARED, True)], repeated=True).best
-    assert best is not None
-    # Two states are fitted to each window: what is left of pure noise.
-    noise = best.swing.samples - 2 * len(windows)
-    assert plain.swing.chi2 > 1.5 * noise
-    assert best.swing.chi2 - noise < 0.1 * (plain.swing.chi2 - noise)
-    return best
-
-
-@pytest.mark.slow
-def test_a_mass_that_hangs_in_the_block_is_learned_as_one_that_hangs() -> None:
-    """1 % of the block on an arm of 0.3 m, which swings with sqrt(g / l) / 2 pi = 0.91 Hz while the block is still.
-
-    It was weighed with the block: what is left of that has the declared mass, centre and inertia together with it.  The
-    laboratory damps how the arm turns in space, the model how it turns in the block: numbers come out that much off.
-    """
-    inner_mass, height, mass = 0.3, 0.4 - 0.3, MASS - 0.3
-    centre = (MASS * DECLARED.centre_height - inner_mass * height) / mass
-    about_floor = DECLARED.I_c + MASS * DECLARED.centre_height**2 - inner_mass * height**2
-    left = {"mass": mass, "centre_height": centre, "inertia": about_floor - mass * centre**2}
-    hung = {"slosh_mass": inner_mass, "slosh_length": 0.3, "slosh_height": 0.4, "slosh_damping": 0.8}
-    found = first_learned(replace(IDEAL, **left, **hung))
-    assert found.names == ("learned[mode, hanging]",)
-    values = found.swing.model.effects["learned_mode"]
-    assert values["frequency"] == pytest.approx(math.sqrt(G / 0.3) / (2.0 * math.pi), rel=0.05)
-    # 0.8 1/s of the arm's speed: over 2 w.
-    assert values["damping_ratio"] == pytest.approx(0.8 / (2.0 * math.sqrt(G / 0.3)), rel=0.3)
-
-
-@pytest.mark.slow
-def test_a_heavy_mode_is_found_wherever_it_lies_between_the_frequencies_tried() -> None:
-    """An eighth of the block at 1.2 times the height of its centre, on a spring of 2.68 p; from 2 p and from 4 p the
-    fit of one went elsewhere.  What is searched is at stake, not the equations: the runs are the package's own."""
-    p = DECLARED.p()
-    planted = {"mass_ratio": 0.12, "height_ratio": 1.2, "frequency": 2.68 * p / (2.0 * math.pi), "damping_ratio": 0.03}
-    system = LoopModel(DECLARED, E, {"learned_mode": planted}, G).system
-    rng, tests, time = np.random.default_rng(3), [], STEP * np.arange(1501)
-    for k, lean in enumerate(LEANS):
-        run = solve(system, theta=lean, t_end=float(time[-1]), save_at=time, solver="numba")
-        rotation = run.theta + NOISE * rng.standard_normal(time.size)
-        tests.append(Test(f"free-{k}", "free", time, (Channel("rotation", "rotation", NOISE),), {"rotation": rotation}))
-    simulator, plain = calibrated(tests)
-    swinging = next(c for c in inner(DECLARED, True) if c.name == "learned[mode]")
-    found = search(simulator, plain, [swinging]).best
-    # In a few swings the mass makes two peaks of one.
-    assert found is not None and float(np.median(found.swing.by_window)) < 1.05
-    for name, value in planted.items():
-        assert found.swing.model.effects["learned_mode"][name] == pytest.approx(value, rel=0.1), name
-
-
-@pytest.mark.slow
-def test_a_load_that_flows_to_the_low_side_is_learned_as_a_spring_that_pushes_and_yields() -> None:
-    """y' = (c theta - y) / 0.4 s of the centre of mass, by DOP853 of SciPy from impact to impact: what it does, m g y,
-    is m g c (theta - z), where z forgets in 0.4 s how the block has turned."""
-    p, alpha, sinks, after = DECLARED.p(), DECLARED.alpha, 0.04, 0.4
-    own = MASS * G * sinks / DECLARED.I_O
-    rng, tests, time = np.random.default_rng(3), [], STEP * np.arange(1501)
-
-    def rates(t: float, state: np.ndarray, side: float) -> tuple[float, float, float]:
-        theta, omega, low = state
-        return omega, -(p**2) * math.sin(side * alpha - theta) + own * low, (theta - low) / after
-
-    def upright(t: float, state: np.ndarray, side: float) -> float:
-        return float(state[0]) * side
-
-    upright.terminal, upright.direction = True, -1.0  # type: ignore[attr-defined]
-    for k, lean in enumerate(LEANS):
-        rotation, begin, state = np.full(time.size, np.nan), 0.0, np.array([lean, 0.0, 0.0])
-        side = math.copysign(1.0, lean)
-        while begin < time[-1]:
-            run = solve_ivp(
-                rates, (begin, time[-1]), state, "DOP853", time[time >= begin], events=upright, args=(side,),
-                rtol=1e-10, atol=1e-13,
-            )  # fmt: skip
-            if len(run.t):  # some are shorter than a sample
-                rotation[np.searchsorted(time, run.t)] = run.y[0]
-            if run.status != 1:
-                break
-            begin, state, side = run.t_events[0][0], run.y_events[0][0] * (0.0, E, 1.0), -side
-            if abs(state[1]) < 1e-3:
-                rotation[time >= begin] = 0.0
-                break
-        rotation += NOISE * rng.standard_normal(time.size)
-        tests.append(Test(f"free-{k}", "free", time, (Channel("rotation", "rotation", NOISE),), {"rotation": rotation}))
-    simulator, plain = calibrated(tests)
-    found = search(simulator, plain, inner(DECLARED, True), leading=True).best
-    assert found is not None and found.names == ("learned[relaxation beside a spring]",)
-    assert found.swing.rms < 1.02
-    assert found.swing.model.get("learned_hysteresis.time") == pytest.approx(after, rel=0.1)
-    assert found.swing.model.get("learned_hysteresis.stiffness") == pytest.approx(own * DECLARED.I_O, rel=0.1)
-    assert found.swing.model.get("learned_term.spring") == pytest.approx(own, rel=0.1)
-
-
-@pytest.mark.slow
-def test_a_layer_that_slips_is_learned_as_hysteresis() -> None:
-    """A spring that slips at 0.05 rad by Bouc's law with the square: an exponent of two."""
-    world = replace(IDEAL, layer=0.06 * MASS * G * math.hypot(0.1, 0.3), layer_width=0.05)
-    found = first_learned(world)
-    assert found.names == ("learned[hysteresis]",)
-    assert found.swing.model.effects["learned_hysteresis"]["width"] == pytest.approx(0.05, rel=0.1)
-    names = [p.name for p in found.swing.parameters]
-    place = names.index("learned_hysteresis.exponent")
-    sd = math.sqrt(sensor_covariance(decays(world)[0], found.swing)[place, place])
-    assert abs(found.swing.values["learned_hysteresis.exponent"] - 2.0) < 3.0 * sd < 2.0
 
 
 @pytest.mark.slow

@@ -1,5 +1,7 @@
 """Where a candidate begins on all windows, with stubs for fits."""
 
+import math
+from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
@@ -7,6 +9,15 @@ import pytest
 
 from studies.loop.swings import trying
 from studies.loop.swings.trials import PAYS, First
+
+
+@dataclass(frozen=True)
+class Swing:
+    """A fit, of which parts are replaced."""
+
+    windows: tuple[str, ...]
+    residuals: tuple[float, ...]
+    model: Any
 
 
 # A strong cubic torque: from the states of the block without it, it left 4.7e6 of the swings and ran to the end of its
@@ -55,8 +66,39 @@ def test_a_fit_that_is_worse_than_nothing_goes_on_before_it_is_judged(
         swing=SimpleNamespace(windows=("a",), model=model), costly=costly, parameters=(), calibrated_with=lambda c: ()
     )
     candidate: Any = SimpleNamespace(
-        starts=({"slack": 0.1},), fixed={}, smooth=False, scouts=(), screened=0, costly=False, parameters=()
-    )
+        starts=({"slack": 0.1},), fixed={}, smooth=False, scouts=(), screened=0, costly=False, parameters=(),
+        scored=0,
+    )  # fmt: skip
     found = trying.on_some("simulator", onto, candidate)  # type: ignore[arg-type]
     assert isinstance(found, First)
     assert found.gained == gained
+
+
+def test_starts_are_ranked_by_the_score_of_what_enters_linearly(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each at nothing of that, on some of the windows; one that does not run there says nothing."""
+
+    def gains(simulator: Any, fitted: Any, parameters: Any, models: Any) -> dict[str, float]:
+        assert fitted.windows == ("a", "c") and fitted.residuals == (1.0, 3.0)
+        assert all(p == (size,) for p in parameters.values())
+        return {k: scores[model["mode.frequency"]] for k, model in models.items()}
+
+    def changed(values: dict[str, float]) -> dict[str, float]:
+        assert values["mode.size"] == 0.0 and values["mode.hanging"] == 1.0
+        if values["mode.frequency"] == 5.0:
+            raise ValueError("out of range")
+        return values
+
+    size, frequency = (SimpleNamespace(name=f"mode.{name}") for name in ("size", "frequency"))
+    scores = {1.0: 3.0, 2.0: 50.0, 3.0: math.inf, 4.0: 20.0}
+    monkeypatch.setattr(trying, "gains", gains)
+    model = SimpleNamespace(declared=None, changed=changed)
+    swing = Swing(windows=("a", "b", "c"), residuals=(1.0, 2.0, 3.0), model=model)
+    candidate: Any = SimpleNamespace(
+        starts=tuple({"mode.size": 0.1, "mode.frequency": f} for f in (1.0, 2.0, 3.0, 4.0, 5.0)), scored=2,
+        fixed={"mode.hanging": 1.0}, scouts=("mode.size",), parameters=(size, frequency),
+        absent=lambda declared: {"mode.size": 0.0, "mode.frequency": 1.0},
+    )  # fmt: skip
+    onto: Any = SimpleNamespace(swing=swing)
+    best = trying._best_by_score("simulator", onto, candidate, [0, 2])  # type: ignore[arg-type]
+    assert [start["mode.frequency"] for start in best] == [2.0, 4.0]
+    assert all(start["mode.size"] == 0.1 for start in best)
