@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +73,11 @@ class Fit:
     def weights(self) -> Array:
         """How much each window counts [1]."""
         return weights_of(self.residuals, ROBUST if self.whole else HUBER, self.whole)
+
+    def of(self, chosen: Sequence[int]) -> Fit:
+        """What it says of some windows; sums stay those of all."""
+        some = [(self.windows[i], self.residuals[i]) for i in chosen]
+        return replace(self, windows=tuple(w for w, _ in some), residuals=tuple(r for _, r in some))
 
     @property
     def spread(self) -> float:

@@ -2,7 +2,8 @@
 
 In a single swing a mass that moves inside, or a little more loss in each impact, may be less than the sensor's noise;
 in a whole record what it does adds up.  Forms of few coefficients are fitted to whole records, as far as these are
-predictable, from all their starts.  The best ones have to answer what effects that are scanned there have to.
+predictable, from all their starts or those that a score ranks first.  The best ones have to answer what effects that
+are scanned there have to.
 
 Status   a planted mass inside that leaves nothing in the swings is found (slow test); curves are left out but for
          those near upright, since whole records are few for their many coefficients
@@ -19,11 +20,15 @@ from studies.loop.records.preparing import Setup
 from studies.loop.search.rounds import Tell
 from studies.loop.swings.learning import MANY, inner, memories, profiles, unnamed
 from studies.loop.swings.trials import Trial, bic
+from studies.loop.swings.trying import best_by_score
 from studies.loop.whole.settling import predictable
 from studies.loop.whole.whole_records import confirmed, ranked
 
 STEPS = 8
 """Of a fit from each start."""
+
+SIZED = 4
+"""Of one of its size alone, before that, where a score ranked the starts."""
 
 UPRIGHT = "near upright"
 """What names of such curves say."""
@@ -63,21 +68,30 @@ def forms(setup: Setup, plain: Trial) -> tuple[Candidate, ...]:
     declared, released = plain.swing.model.declared, any(test.kind == "free" for test in setup.simulator.tests)
     windows = plain.swing.windows
     curves = (c for c in profiles(declared, windows) if UPRIGHT in c.name and len(c.parameters) <= MANY + 1)
-    # What takes another form of what went before says little more where no swing shows either.
-    going_on = (c for c in inner(declared, released) if not c.after)
+    # What takes another form of what went before says little more where no swing shows either, or is quickly asked.
+    going_on = (c for c in inner(declared, released) if not c.after or c.scored)
     return (*unnamed(declared), *memories(declared, windows), *going_on, *curves)
 
 
 def _begun(
     setup: Setup, plain: Trial, without: Fit, windows: Sequence[Window], candidate: Candidate
 ) -> Fit | None:  # fmt: skip
-    """The best of a few steps from all starts of a form, or None if none leads anywhere."""
+    """The best of a few steps from all starts of a form, or from those that a score ranks first; None if none leads
+    anywhere."""
     parameters = (*plain.calibrated_with(candidate), *plain.parameters, *candidate.parameters)
+    absent = candidate.absent(plain.swing.model.declared)
+    starts = best_by_score(setup.simulator, without, candidate) if candidate.scored else candidate.starts
     best: Fit | None = None
-    for start in candidate.starts or (candidate.absent(plain.swing.model.declared),):
+    for start in starts or (absent,):
         try:
-            model = without.model.changed({**candidate.fixed, **start})
-            found = fit(setup.simulator, model, parameters, windows, whole=True, iterations=STEPS, central=True)
+            model, there = without.model.changed({**candidate.fixed, **start}), windows
+            if candidate.scored:
+                # What no swing shows is small: its size comes first, from nothing.
+                scouts = tuple(p for p in candidate.parameters if p.name in candidate.scouts)
+                model = model.changed({p.name: absent[p.name] for p in scouts})
+                sized = fit(setup.simulator, model, scouts, windows, whole=True, iterations=SIZED, central=True)
+                model, there = sized.model, sized.windows
+            found = fit(setup.simulator, model, parameters, there, whole=True, iterations=STEPS, central=True)
         except ValueError:
             continue  # numbers that do not go together
         if best is None or found.chi2 < best.chi2:

@@ -91,10 +91,7 @@ def changing(simulator: Simulator, onto: Trial, pool: Sequence[Candidate]) -> li
         the trial has them, coefficients unless they promise far more than any name.
     """
     windows = onto.swing.windows
-    chosen = every_so_many(len(windows), SOME)
-    fitted = replace(
-        onto.swing, windows=tuple(windows[i] for i in chosen), residuals=tuple(onto.swing.residuals[i] for i in chosen)
-    )
+    fitted = onto.swing.of(every_so_many(len(windows), SOME))
     there = sorted({w.test for w in windows})
     if len(there) < LEAST_TESTS:
         return []

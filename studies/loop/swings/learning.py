@@ -351,10 +351,7 @@ def resonating(simulator: Simulator, onto: Trial) -> tuple[Candidate, ...]:
     shaken = [i for i, w in enumerate(windows) if simulator.tests[w.test].kind == "forced"]
     if not shaken:
         return ()
-    chosen = [shaken[k] for k in every_so_many(len(shaken), SOME)]
-    fitted = replace(
-        onto.swing, windows=tuple(windows[i] for i in chosen), residuals=tuple(onto.swing.residuals[i] for i in chosen)
-    )
+    fitted = onto.swing.of([shaken[k] for k in every_so_many(len(shaken), SOME)])
     share, frequency, damping = (f"{BASE}.{name}" for name in ("share", "frequency", "damping_ratio"))
     size = Parameter(share, 0.05, -2.0, 0.9)
     starts = [{frequency: float(f), damping: RESONANCE, share: 0.0} for f in RESONANCES]

@@ -278,12 +278,7 @@ def _scores(simulator: Simulator, onto: Trial, smooth: Sequence[Candidate], some
     """
     fitted = onto.swing
     if some:
-        chosen = every_so_many(len(fitted.windows), SOME)
-        fitted = replace(
-            fitted,
-            windows=tuple(fitted.windows[i] for i in chosen),
-            residuals=tuple(fitted.residuals[i] for i in chosen),
-        )
+        fitted = fitted.of(every_so_many(len(fitted.windows), SOME))
     models: dict[str, LoopModel] = {}
     for c in smooth:
         with suppress(ValueError):

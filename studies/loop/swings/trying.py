@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
 
 import numpy as np
 
@@ -56,7 +55,7 @@ def on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> First | 
     reason = "no start led anywhere"
     nothing = nothing_of(onto, candidate)
     starts: list[_Start] = []
-    own = _best_by_score(simulator, onto, candidate, chosen) if candidate.scored else candidate.starts
+    own = best_by_score(simulator, onto.swing.of(chosen), candidate) if candidate.scored else candidate.starts
     for start in (*own, *([nothing] if candidate.smooth else [])):
         try:
             model = onto.swing.model.changed({**candidate.fixed, **start})
@@ -91,21 +90,17 @@ def on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> First | 
     return First(best.model, parameters, without - best.chi2)
 
 
-def _best_by_score(
-    simulator: Simulator, onto: Trial, candidate: Candidate, chosen: Sequence[int]
-) -> list[Mapping[str, float]]:  # fmt: skip
-    """The starts of which the score of a scout is largest, on some windows: what enters linearly promises something
-    near where it is alone, at the price of a run or two."""
-    fitted = replace(
-        onto.swing,
-        windows=tuple(onto.swing.windows[i] for i in chosen),
-        residuals=tuple(onto.swing.residuals[i] for i in chosen),
-    )
-    models, nothing = dict[str, LoopModel](), candidate.absent(onto.swing.model.declared)
+def best_by_score(simulator: Simulator, fitted: Fit, candidate: Candidate) -> list[Mapping[str, float]]:
+    """The starts of a candidate of which the score of a scout is largest: what enters linearly promises something near
+    where it is alone, at the price of a run or two.
+
+    fitted: without the candidate.
+    """
+    models, nothing = dict[str, LoopModel](), candidate.absent(fitted.model.declared)
     for k, start in enumerate(candidate.starts):
         with suppress(ValueError):
             at_nothing = {name: nothing[name] for name in candidate.scouts}
-            models[str(k)] = onto.swing.model.changed({**candidate.fixed, **start, **at_nothing})
+            models[str(k)] = fitted.model.changed({**candidate.fixed, **start, **at_nothing})
     scouts = tuple(p for p in candidate.parameters if p.name in candidate.scouts)
     scores = gains(simulator, fitted, dict.fromkeys(models, scouts), models)
     # Where it does not run at nothing nothing is said.

@@ -37,13 +37,15 @@ def test_a_mass_inside_that_swings_do_not_show_is_learned_of_whole_records(tmp_p
     # Nothing is left of the swings, and whole records are missed.
     assert over_noise(setup, plain) < 1.03 and bare.rms > 3.0
 
-    def two(setup, plain):
-        return [c for c in all_forms(setup, plain) if c.name in ("learned[mode]", "learned[side]")]
+    hanging = "learned[mode, hanging]"
+
+    def few(setup, plain):
+        return [c for c in all_forms(setup, plain) if c.name in ("learned[mode]", hanging, "learned[side]")]
 
     all_forms = learning_of_records.forms
-    monkeypatch.setattr(learning_of_records, "forms", two)
+    monkeypatch.setattr(learning_of_records, "forms", few)
     found = unseen(setup, plain, bare, lambda text: None)
-    assert found is not None and found.names == ("learned[mode]",)
+    assert found is not None and found.names == (hanging,)
     later = read(tmp_path / "predict" / "campaign.toml")
 
     def missed_by(model):
@@ -90,7 +92,7 @@ def records(monkeypatch):
     def form(name, *left, none=0.0):
         starts = tuple({"left": value} for value in left)
         return SimpleNamespace(
-            name=name, starts=starts, fixed={}, parameters=(name,), absent=lambda block: {"left": none}
+            name=name, starts=starts, fixed={}, parameters=(name,), absent=lambda block: {"left": none}, scored=0
         )
 
     def search():
@@ -125,6 +127,43 @@ def test_nothing_is_learned_where_no_start_leads_anywhere_or_nothing_is_predicta
     assert records.search() is None and records.asked == []
     records.windows, records.pool = [], [records.form("a", 100.0)]
     assert records.search() is None and records.asked == []
+
+
+def test_of_a_form_whose_starts_a_score_ranks_the_size_comes_first(monkeypatch):
+    """From nothing: what is as large as where swings show it loses every record."""
+    size, frequency = (SimpleNamespace(name=f"mode.{name}") for name in ("size", "frequency"))
+    ranked = [{"mode.size": 0.1, "mode.frequency": f} for f in (2.0, 4.0)]
+    done = []
+
+    def model_of(**values):
+        return SimpleNamespace(
+            values=values, changed=lambda new: model_of(**{**values, **{k[5:]: v for k, v in new.items()}})
+        )
+
+    def fit(simulator, model, parameters, windows, *, whole, iterations, central):
+        done.append((model.values, tuple(p.name for p in parameters), windows, iterations))
+        sized = parameters == (size,)
+        chi2 = 100.0 if sized else 10.0 * model.values["frequency"]
+        return SimpleNamespace(model=model_of(**model.values | {"size": 0.01}), windows="leant otherwise", chi2=chi2)
+
+    monkeypatch.setattr(learning_of_records, "fit", fit)
+    monkeypatch.setattr(learning_of_records, "best_by_score", lambda simulator, fitted, candidate: ranked)
+    candidate = SimpleNamespace(
+        scored=2, scouts=("mode.size",), parameters=(size, frequency), fixed={"mode.hanging": 1.0},
+        absent=lambda block: {"mode.size": 0.0, "mode.frequency": 1.0},
+    )  # fmt: skip
+    plain = SimpleNamespace(
+        calibrated_with=lambda candidate: (),
+        parameters=(),
+        swing=SimpleNamespace(model=SimpleNamespace(declared=BLOCK)),
+    )
+    without = SimpleNamespace(model=model_of())
+    best = learning_of_records._begun(SimpleNamespace(simulator=None), plain, without, "records", candidate)
+    assert best.chi2 == 20.0
+    (nothing, one, there, steps), (sized, both, otherwise, more) = done[:2]
+    assert nothing == {"size": 0.0, "frequency": 2.0, "hanging": 1.0} and one == ("mode.size",) and there == "records"
+    assert sized["size"] == 0.01 and both == ("mode.size", "mode.frequency") and otherwise == "leant otherwise"
+    assert (steps, more) == (learning_of_records.SIZED, learning_of_records.STEPS)
 
 
 @pytest.mark.parametrize(("kinds", "strained"), [(("ramp", "free"), True), (("ramp",), False)])
