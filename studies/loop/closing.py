@@ -35,6 +35,7 @@ from studies.loop.swings.learning import (
     LOSS,
     MEMORY,
     alike,
+    between,
     by_itself,
     learn,
     memories,
@@ -81,6 +82,10 @@ LOSSES = frozenset({
     "mass_distribution",
 })  # fmt: skip
 """Effects on what is lost, or that together with another restitution look like one."""
+
+OF_THE_BASE = frozenset({"table_pitch", "base_motion_gain", "base_motion_lag"})
+"""Effects on how the base moves, in the place of which something between its sensor and the block may stand: what a
+plate on springs does to a motion that is slow beside it goes with the acceleration, as a pitch may."""
 
 TOLD_APART = 2.0
 """Difference of the criterion of swings below which they say nothing of two trials.
@@ -333,7 +338,9 @@ def _otherwise(
     if not several and not set(named.effects) & LOSSES:
         # A string that is slack up to some lean looks much like any other torque that grows with it.
         if closely or met(setup, whole, CLOSELY):
-            return None
+            if not set(named.effects) & OF_THE_BASE:
+                return None
+            return _one_in_place_of(setup, plain, named, whole, tell, between(setup.simulator, plain.swing.windows))
         one = _one_in_place_of(setup, plain, named, whole, tell)
         if one is not None or bic(named.swing) <= bic(plain.swing) - PAYS:
             return one
@@ -378,13 +385,18 @@ def _preferred(setup: Setup, one: Trial, there: Fit, named: Trial, whole: Fit) -
     return halves(setup, there, whole) if freer else explains_more(setup, there, whole)
 
 
-def _one_in_place_of(setup: Setup, plain: Trial, named: Trial, whole: Fit, tell: Tell) -> Trial | None:
+def _one_in_place_of(
+    setup: Setup, plain: Trial, named: Trial, whole: Fit, tell: Tell, pool: Sequence[Candidate] | None = None
+) -> Trial | None:  # fmt: skip
     """One coefficient without a name that whole records prefer to effects with a name, and swings do not speak against.
 
     A late recorder of the rotation moves swings as an early base does, and releases as that does not.
+
+    pool: of what it is; all that may act by itself if not given.
     """
+    pool = by_itself(setup.simulator, plain) if pool is None else pool
     tell("asking whether one coefficient without a name explains more")
-    best = search(setup.simulator, plain, by_itself(setup.simulator, plain), tell, leading=True).best
+    best = search(setup.simulator, plain, pool, tell, leading=True).best
     if best is None or bic(best.swing) > bic(named.swing) + TOLD_APART:
         return None
     best, there = remembering_all(setup, best, whole_fit(setup, best, whole))

@@ -517,6 +517,38 @@ def test_of_what_is_ahead_of_all_names_more_is_learned_where_it_is_not_all(monke
     assert found is (learned if more else term)
 
 
+@pytest.mark.parametrize(
+    ("name", "rms", "chi2", "says", "ends"),
+    [
+        # A plate on springs under the block, of 17 Hz: swings 7844 and 7846, whole records 0.98 and 0.90 times theirs.
+        pytest.param("table_pitch", 0.98, 9_002.0, True, "unexplained", id="swings do not tell, whole records do"),
+        # A table that pitches: a plate left 23 more of swings, and 1.40 of whole records where it left 0.93.
+        pytest.param("table_pitch", 0.93, 9_023.0, False, "effect", id="both prefer the name"),
+        pytest.param("table_pitch", 0.98, 9_014.0, True, "effect", id="swings prefer the name"),
+        pytest.param("table_pitch", 0.98, 9_002.0, False, "effect", id="whole records do not tell either"),
+        pytest.param("base_tilt", 0.98, 9_002.0, True, "effect", id="it is not of how the base moves"),
+    ],
+)
+def test_something_under_the_block_takes_the_place_of_an_effect_on_how_the_base_moves(
+    monkeypatch, name, rms, chi2, says, ends
+):
+    plain, found, plate = (explained_trial(c, *n) for c, n in ((20_000.0, ()), (9_000.0, (name,)), (chi2, ("plate",))))
+    monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.0)
+    monkeypatch.setattr(closing, "structure", lambda setup: 1.03)
+    monkeypatch.setattr(closing, "between", lambda simulator, windows: ("plate",))
+    monkeypatch.setattr(closing, "whole_fit", lambda setup, trial, whole: trial)
+    monkeypatch.setattr(closing, "explains_more", lambda setup, fitted, other: says and fitted is plate)
+
+    def search(simulator, onto, pool, tell, leading):
+        assert onto is plain and pool == ("plate",)
+        return Round(onto, [plate])
+
+    monkeypatch.setattr(closing, "search", search)
+    setup = SimpleNamespace(by_rotation=True, simulator=None, records=[], swings=())
+    chosen, verdict = closing._explained(setup, plain, None, found, records(rms), lambda text: None)
+    assert verdict == ends and chosen is (plate if ends == "unexplained" else found)
+
+
 def test_nothing_is_learned_where_two_effects_leave_what_noise_leaves(monkeypatch):
     plain, found = explained_trial(20_000.0), explained_trial(9_000.0, "rounded_edges", "viscous_damping")
     monkeypatch.setattr(closing, "over_noise", lambda setup, trial: 1.01)
