@@ -61,7 +61,7 @@ from studies.loop.whole.remaining import (
     structure,
     unexplained,
 )
-from studies.loop.whole.rivals import Rival, near_all, other_forms, standing, twins, twins_from_many
+from studies.loop.whole.rivals import TWIN, Rival, near_all, other_forms, standing, twins, twins_from_many
 from studies.loop.whole.settling import Settled, intervals, settle
 from studies.loop.whole.whole_fits import whole_fit, whole_fit_from_many
 from studies.loop.whole.whole_records import (
@@ -340,7 +340,8 @@ def _otherwise(
         if closely or met(setup, whole, CLOSELY):
             if not set(named.effects) & OF_THE_BASE:
                 return None
-            return _one_in_place_of(setup, plain, named, whole, tell, between(setup.simulator, plain.swing.windows))
+            under = between(setup.simulator, plain.swing.windows)
+            return _one_in_place_of(setup, plain, named, whole, tell, under, TWIN)
         one = _one_in_place_of(setup, plain, named, whole, tell)
         if one is not None or bic(named.swing) <= bic(plain.swing) - PAYS:
             return one
@@ -386,18 +387,20 @@ def _preferred(setup: Setup, one: Trial, there: Fit, named: Trial, whole: Fit) -
 
 
 def _one_in_place_of(
-    setup: Setup, plain: Trial, named: Trial, whole: Fit, tell: Tell, pool: Sequence[Candidate] | None = None
+    setup: Setup, plain: Trial, named: Trial, whole: Fit, tell: Tell, pool: Sequence[Candidate] | None = None,
+    within: float = TOLD_APART,
 ) -> Trial | None:  # fmt: skip
     """One coefficient without a name that whole records prefer to effects with a name, and swings do not speak against.
 
     A late recorder of the rotation moves swings as an early base does, and releases as that does not.
 
     pool: of what it is; all that may act by itself if not given.
+    within: by how much less of the criterion of swings the names leave where these do not speak against it.
     """
     pool = by_itself(setup.simulator, plain) if pool is None else pool
     tell("asking whether one coefficient without a name explains more")
     best = search(setup.simulator, plain, pool, tell, leading=True).best
-    if best is None or bic(best.swing) > bic(named.swing) + TOLD_APART:
+    if best is None or bic(best.swing) > bic(named.swing) + within:
         return None
     best, there = remembering_all(setup, best, whole_fit(setup, best, whole))
     return best if explains_more(setup, there, whole) else None
