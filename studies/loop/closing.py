@@ -45,7 +45,7 @@ from studies.loop.swings.learning import (
     unnamed,
 )
 from studies.loop.swings.tracing import baseline, search
-from studies.loop.swings.trials import PAYS, Round, Trial, bic
+from studies.loop.swings.trials import LEAST_GAIN, PAYS, Round, Trial, bic
 from studies.loop.whole.floors_that_give import from_whole_records
 from studies.loop.whole.remaining import (
     CLOSELY,
@@ -428,7 +428,9 @@ def _kept(
     now, then = (errors(setup, s.whole.model, s.whole.windows) for s in (learned, by_name))
     what = f"what was learned ({', '.join(map(readable, chosen.names))})"
     carries = _carries(setup, by_name, learned, now.fit, then.fit)
-    if not carries:
+    # Where medians of a few tests that were fitted hardly differ, those held out may say that it is no worse.
+    no_worse = now.fit <= (1.0 + LEAST_GAIN) * then.fit and now.holdout * now.fit < then.holdout * then.fit
+    if not carries and not no_worse:
         said = f"{what} does not carry over whole records: it was left out"
     # Either error is a median of a few tests: what is better on the one by far may be a little worse on the other.
     elif now.holdout * now.fit > then.holdout * then.fit:

@@ -445,6 +445,9 @@ def test_another_form_of_an_effect_may_take_its_place() -> None:
     ("carries", "held_out", "why"),
     [
         (True, 0.001, ""),
+        # sprung_table-102001, a plate: 0.2722 and 0.554 mrad with a pitch, 0.2746 and 0.324 with the plate.
+        ("hardly", 0.010, ""),
+        ("hardly", 0.018, "does not carry over whole records"),
         (False, 0.001, "does not carry over whole records"),
         # Gusts: 11 and 17 mrad of tests that were fitted and held out, and 8 and 88 with a curve.  Here those fitted
         # are met 2 and 15 times better, those held out 24 times worse.
@@ -455,8 +458,8 @@ def test_another_form_of_an_effect_may_take_its_place() -> None:
 )
 @pytest.mark.parametrize("by_search", [True, False])
 def test_names_come_back_where_what_was_learned_does_not_carry(
-    monkeypatch: pytest.MonkeyPatch, left: float, names: tuple[str, ...], verdict: str, carries: bool, held_out: float,
-    why: str, by_search: bool,
+    monkeypatch: pytest.MonkeyPatch, left: float, names: tuple[str, ...], verdict: str, carries: bool | str,
+    held_out: float, why: str, by_search: bool,
 ) -> None:  # fmt: skip
     """It is compared with the effects whose place it took, not with the calibrated block; theirs is the verdict.
 
@@ -465,6 +468,8 @@ def test_names_come_back_where_what_was_learned_does_not_carry(
     """
     plain, stands, memory = stub(chi2=5000.0), stub(*names, chi2=1000.0), stub("learned_memory", chi2=900.0)
     fit_error = {(): 0.03, ("vdr",): 0.004, ("learned_memory",): 0.002 if carries else 0.01 if names else 0.04}
+    if carries == "hardly":
+        fit_error["learned_memory",] = 1.009 * fit_error[names]
     asked = []
     monkeypatch.setattr(closing, "_explained", lambda *_: (memory, "unexplained"))
     monkeypatch.setattr(closing, "settle", lambda setup, trial, whole: settled(trial.names))
@@ -489,7 +494,8 @@ def test_names_come_back_where_what_was_learned_does_not_carry(
         assert (kept, said_verdict, said) == (memory, "unexplained", ())
         assert after.whole.model == ("learned_memory",)
     else:
-        assert (kept, said_verdict) == (stands, "unexplained" if names and carries else verdict)
+        doubted = bool(names) and carries is True
+        assert (kept, said_verdict) == (stands, "unexplained" if doubted else verdict)
         assert after.whole.model == names
         assert why in said[0]
 
