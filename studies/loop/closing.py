@@ -428,9 +428,10 @@ def _kept(
     now, then = (errors(setup, s.whole.model, s.whole.windows) for s in (learned, by_name))
     what = f"what was learned ({', '.join(map(readable, chosen.names))})"
     carries = _carries(setup, by_name, learned, now.fit, then.fit)
-    # Where medians of a few tests that were fitted hardly differ, those held out may say that it is no worse.
-    no_worse = now.fit <= (1.0 + LEAST_GAIN) * then.fit and now.holdout * now.fit < then.holdout * then.fit
-    if not carries and not no_worse:
+    if not carries and now.fit <= (1.0 + LEAST_GAIN) * then.fit:
+        # Where medians of a few tests hardly differ, what whole records alone make of either may say it.
+        carries = setup.by_rotation and explains_more(setup, its_whole, whole)
+    if not carries:
         said = f"{what} does not carry over whole records: it was left out"
     # Either error is a median of a few tests: what is better on the one by far may be a little worse on the other.
     elif now.holdout * now.fit > then.holdout * then.fit:

@@ -39,9 +39,7 @@ class Candidate:
     replaces_restitution: bool = False  # whether the loss of an impact follows from its own parameters
     costly: bool = False  # whether a run takes tens of times as long as that of a rigid block: fewer rivals are tried
     scouts: tuple[str, ...] = ()  # parameters fitted from each start, the others from the best few alone; all if empty
-    scored: int = (
-        0  # so many starts are begun from, those of which the score of a scout at nothing is largest; all if 0
-    )
+    scored: int = 0  # so many starts are begun from, those with the largest score of a scout at nothing; all if 0
     screened: int = 0  # so many starts are fitted, those that explain most as they are; all if 0
     parts: int = 0  # of so many parts of the starts, in their order, the best one is fitted besides, without scouts
     after: str = ""  # a form that is tried before; where that promises nothing, this one is left out
