@@ -80,9 +80,10 @@ def _begun(
     anywhere."""
     parameters = (*plain.calibrated_with(candidate), *plain.parameters, *candidate.parameters)
     absent = candidate.absent(plain.swing.model.declared)
-    starts = best_by_score(setup.simulator, without, candidate) if candidate.scored else candidate.starts
+    every = candidate.starts or (absent,)
+    starts = best_by_score(setup.simulator, without, candidate) if candidate.scored else every
     best: Fit | None = None
-    for start in starts or (absent,):
+    for start in starts:
         try:
             model, there = without.model.changed({**candidate.fixed, **start}), windows
             if candidate.scored:

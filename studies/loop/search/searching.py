@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import cache
 
 from studies.loop.fits.fitting import Fit
 from studies.loop.models.candidates import OF_THE_ROTATION_SENSOR, Candidate
@@ -43,6 +44,9 @@ from studies.loop.whole.remaining import (
 from studies.loop.whole.rivals import TWIN
 from studies.loop.whole.whole_fits import gain, whole_fit, whole_fit_from_many
 from studies.loop.whole.whole_records import MISSED, explains_more, remembering_all
+
+Lead = Callable[[], Trial | None]
+"""What gives the coefficient without a name that explains most of the swings, which is searched for once."""
 
 NEARLY_FIRST = 0.5
 """Effects that lower the criterion by this share of what the first one does are gone on from in its place."""
@@ -78,7 +82,8 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     tell("tracing, round 1")
     opening = searched(setup, plain, pool, tell, later=True)
     # One coefficient is asked in far less time than floors, in whose reach what it explains to the end is not.
-    term = None if _nothing_is_left_of_swings(setup, opening) else _coefficient(setup, plain, tell)
+    lead = cache(lambda: _leading(setup, plain, tell))
+    term = None if _nothing_is_left_of_swings(setup, opening) else _coefficient(setup, plain, lead)
     floor = _floor_first(setup, begin, opening, pool, tell) if term is None else None
     if floor is not None and (_enough_alone(setup, floor) or stands_alone(setup, floor.last, floor.whole)):
         return floor
@@ -92,7 +97,7 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
             return meant
     if not explains(setup, first.last, first.whole):
         if term is None and _nothing_is_left_of_swings(setup, opening):
-            term = _coefficient(setup, plain, tell)
+            term = _coefficient(setup, plain, lead)
         path = _without_names(setup, plain, first, pool, term, tell) if term is not None else None
         if path is not None:
             return path
@@ -122,7 +127,7 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     if form is not None:
         rounds = [replace(r, skipped=r.skipped | {c.name: ONE_FORM for c in r.put_off}) for r in rounds]
         return replace(_told(setup, quick, paths, greedy, rounds), term=form)
-    ahead = _term_ahead(setup, plain, quick, rounds, tell) if floor is None else None
+    ahead = _term_ahead(setup, quick, rounds, lead) if floor is None else None
     if ahead is not None:
         rounds = [replace(r, skipped=r.skipped | {c.name: ONE_AHEAD for c in r.put_off}) for r in rounds]
         return replace(_told(setup, quick, paths, greedy, rounds), term=ahead)
@@ -341,7 +346,7 @@ def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial 
     return None
 
 
-def _term_ahead(setup: Setup, plain: Trial, path: Path, rounds: Sequence[Round], tell: Tell) -> Trial | None:
+def _term_ahead(setup: Setup, path: Path, rounds: Sequence[Round], lead: Lead) -> Trial | None:
     """One coefficient without a name, whatever it leaves, that swings and whole records prefer by far to a path of
     effects with one, where no floor meets the releases.
 
@@ -349,7 +354,7 @@ def _term_ahead(setup: Setup, plain: Trial, path: Path, rounds: Sequence[Round],
     """
     if path.last.costly or slips(path.last) or not _floors_are_refused(rounds, path.trials[0]):
         return None
-    best = _best_without_a_name(setup, plain, lambda: by_itself(setup.simulator, plain), tell)
+    best = lead()
     if best is None or not pays(path.last.swing, best.swing):
         return None
     best, whole = remembering_all(setup, best, whole_fit(setup, best))
@@ -392,9 +397,14 @@ def _nothing_is_left_of_swings(setup: Setup, opening: Round) -> bool:
     return any(nothing_of_swings(setup, t) for t in (opening.onto, *opening.trials))
 
 
-def _coefficient(setup: Setup, plain: Trial, tell: Tell) -> tuple[Trial, Fit] | None:
-    """The coefficient without a name that explains most of the swings, if it explains them and whole records."""
-    term = _best_without_a_name(setup, plain, lambda: by_itself(setup.simulator, plain), tell)
+def _leading(setup: Setup, plain: Trial, tell: Tell) -> Trial | None:
+    """The coefficient without a name that explains most of the swings by itself, of all that may act so."""
+    return _best_without_a_name(setup, plain, lambda: by_itself(setup.simulator, plain), tell)
+
+
+def _coefficient(setup: Setup, plain: Trial, lead: Lead) -> tuple[Trial, Fit] | None:
+    """That coefficient, if it explains the swings and whole records."""
+    term = lead()
     return _enough(setup, term) if term is not None and pays(plain.swing, term.swing) else None
 
 

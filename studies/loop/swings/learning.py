@@ -30,7 +30,6 @@ from rocking.effects.learned_friction import FRICTION
 from rocking.effects.learned_reading import MARKS
 from studies.campaigns import DeclaredBlock
 from studies.campaigns.swings import OPEN
-from studies.loop.fits.estimating import gains
 from studies.loop.models.candidates import OF_THE_ROTATION_SENSOR, Candidate, candidates
 from studies.loop.models.model import CHANGE, DRIFT, FADING
 from studies.loop.models.parameters import Parameter
@@ -39,7 +38,7 @@ from studies.loop.runs.simulation import Simulator
 from studies.loop.swings.changing import changing
 from studies.loop.swings.tracing import search
 from studies.loop.swings.trials import PAYS, Trial, bic, pays
-from studies.loop.swings.trying import SOME, every_so_many
+from studies.loop.swings.trying import SOME, every_so_many, ranked_by_score
 
 LEAST_GAIN = 0.03
 """Share by which the rms of the swings has to fall for one more coefficient."""
@@ -356,8 +355,7 @@ def resonating(simulator: Simulator, onto: Trial) -> tuple[Candidate, ...]:
     size = Parameter(share, 0.05, -2.0, 0.9)
     starts = [{frequency: float(f), damping: RESONANCE, share: 0.0} for f in RESONANCES]
     models = {str(k): onto.swing.model.changed(start) for k, start in enumerate(starts)}
-    scores = gains(simulator, fitted, dict.fromkeys(models, (size,)), models)
-    best = sorted(scores, key=lambda k: -scores[k] if math.isfinite(scores[k]) else math.inf)[:RESONANCES_FITTED]
+    best = ranked_by_score(simulator, fitted, (size,), models)[:RESONANCES_FITTED]
     own = Parameter(frequency, 0.1, 0.5, 100.0, log=True), Parameter(damping, 0.3, 1e-3, 3.0, log=True)
     begun = tuple(starts[int(k)] for k in best)
     return (Candidate("learned[table resonates]", BASE, (size, *own), begun, {}, smooth=False, scouts=(share,)),)

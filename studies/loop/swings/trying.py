@@ -17,6 +17,7 @@ from studies.loop.fits.fitting import Fit, fit
 from studies.loop.fits.linearising import HUBER, objectives
 from studies.loop.models.candidates import Candidate
 from studies.loop.models.model import LoopModel
+from studies.loop.models.parameters import Parameter
 from studies.loop.observed.windows import Window
 from studies.loop.runs.simulation import Simulator
 from studies.loop.swings.lost_windows import afresh, with_lost_found
@@ -102,10 +103,17 @@ def best_by_score(simulator: Simulator, fitted: Fit, candidate: Candidate) -> li
             at_nothing = {name: nothing[name] for name in candidate.scouts}
             models[str(k)] = fitted.model.changed({**candidate.fixed, **start, **at_nothing})
     scouts = tuple(p for p in candidate.parameters if p.name in candidate.scouts)
-    scores = gains(simulator, fitted, dict.fromkeys(models, scouts), models)
-    # Where it does not run at nothing nothing is said.
+    best = ranked_by_score(simulator, fitted, scouts, models)[: candidate.scored]
+    return [candidate.starts[int(k)] for k in best]
+
+
+def ranked_by_score(
+    simulator: Simulator, fitted: Fit, parameters: Sequence[Parameter], models: Mapping[str, LoopModel]
+) -> list[str]:
+    """Which of the models, by name, gain most by the parameters, the first first; none that does not run as it is."""
+    scores = gains(simulator, fitted, dict.fromkeys(models, parameters), models)
     said = {k: score for k, score in scores.items() if math.isfinite(score)}
-    return [candidate.starts[int(k)] for k in sorted(said, key=lambda k: -said[k])[: candidate.scored]]
+    return sorted(said, key=lambda k: -said[k])
 
 
 def on_all(simulator: Simulator, onto: Trial, candidate: Candidate, first: First) -> Fit:

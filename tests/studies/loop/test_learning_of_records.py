@@ -149,7 +149,7 @@ def test_of_a_form_whose_starts_a_score_ranks_the_size_comes_first(monkeypatch):
     monkeypatch.setattr(learning_of_records, "fit", fit)
     monkeypatch.setattr(learning_of_records, "best_by_score", lambda simulator, fitted, candidate: ranked)
     candidate = SimpleNamespace(
-        scored=2, scouts=("mode.size",), parameters=(size, frequency), fixed={"mode.hanging": 1.0},
+        scored=2, starts=(), scouts=("mode.size",), parameters=(size, frequency), fixed={"mode.hanging": 1.0},
         absent=lambda block: {"mode.size": 0.0, "mode.frequency": 1.0},
     )  # fmt: skip
     plain = SimpleNamespace(

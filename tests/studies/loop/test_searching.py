@@ -94,9 +94,9 @@ def ways(monkeypatch):
     told.asked_beside = searching._term_beside
     monkeypatch.setattr(searching, "_term_beside", lambda setup, plain, path, tell: told.beside)
     told.asked_ahead = searching._term_ahead
-    monkeypatch.setattr(searching, "_term_ahead", lambda setup, plain, path, rounds, tell: told.ahead)
+    monkeypatch.setattr(searching, "_term_ahead", lambda setup, path, rounds, lead: told.ahead)
     told.coefficient = searching._coefficient
-    monkeypatch.setattr(searching, "_coefficient", lambda setup, plain, tell: None)
+    monkeypatch.setattr(searching, "_coefficient", lambda setup, plain, lead: None)
     for module in (rounds, searching):
         monkeypatch.setattr(module, "by_chance", lambda setup, trial: told.chance)
         monkeypatch.setattr(module, "explains", lambda setup, trial, whole: told.explains)
@@ -221,21 +221,15 @@ def test_a_coefficient_is_ahead_where_swings_and_whole_records_prefer_it(ways, m
     onto = path_of("a") if told.floors == "on top" else plain
     refused = {"floor": "another reason" if told.floors == "not asked" else searching.NOT_OF_RELEASES}
     monkeypatch.setattr(searching, "slips", lambda trial: told.slips)
-    monkeypatch.setattr(searching, "by_itself", lambda simulator, onto: "all" if onto is plain else "none")
     monkeypatch.setattr(searching, "remembering_all", lambda setup, trial, whole: (trial, whole))
     monkeypatch.setattr(
         searching, "explains_more",
         lambda setup, one, other: told.preferred and one.of == ("learned",) and other == "path's",
     )  # fmt: skip
 
-    def search(simulator, onto, pool, tell, leading):
-        assert onto is plain and pool == "all" and leading
-        return Round(onto, [term] if told.found else [])
-
-    monkeypatch.setattr(searching, "search", search)
     on_the_way = SimpleNamespace(last=path, whole="path's", trials=[plain, path])
     rounds_of_it = [Round(onto, skipped=refused)]
-    found = ways.asked_ahead(setup_of(True), plain, on_the_way, rounds_of_it, lambda text: None)
+    found = ways.asked_ahead(setup_of(True), on_the_way, rounds_of_it, lambda: term if told.found else None)
     assert found is (term if taken else None)
 
 
@@ -654,7 +648,7 @@ def test_no_floor_is_asked_where_one_coefficient_without_a_name_leaves_nothing(s
         seen.append((first.last.names, found))
         return other
 
-    monkeypatch.setattr(searching, "_coefficient", lambda setup, plain, tell: coefficient)
+    monkeypatch.setattr(searching, "_coefficient", lambda setup, plain, lead: coefficient)
     monkeypatch.setattr(searching, "_without_names", without_names)
     assert searching.traced(setup_of(True), path_of(chi2=2000.0), lambda text: None) is other
     assert seen == [(("a",), coefficient)] and not any(not later for _, later, _ in springs.rounds)
@@ -1058,9 +1052,9 @@ def test_one_coefficient_is_asked_unless_an_effect_with_a_name_explains_swings_a
     """
     asked, coefficient = [], searching._coefficient
 
-    def counted(setup, plain, tell):
+    def counted(setup, plain, lead):
         asked.append(plain)
-        return coefficient(setup, plain, tell)
+        return coefficient(setup, plain, lead)
 
     monkeypatch.setattr(searching, "_coefficient", counted)
     term.nothing, term.explains = nothing, explains
