@@ -25,6 +25,7 @@ import dataclasses
 import math
 import numbers
 from collections.abc import Callable
+from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -107,6 +108,7 @@ class Effect:
         return {field.name: float(field.default) for field in fields}  # type: ignore[arg-type]
 
     @classmethod
+    @cache
     def ways(cls) -> frozenset[str]:
         """The ways in which it acts: those of `WAYS` that it overrides."""
         return frozenset(way for way in WAYS if getattr(cls, way) is not getattr(Effect, way))

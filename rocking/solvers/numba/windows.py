@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import get_num_threads, types
@@ -34,8 +34,7 @@ from rocking.solvers.threads import over_runs
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Start:
+class Start(NamedTuple):
     """One run: which system under which motion, from where to where, and from what state."""
 
     system: int  # index
@@ -106,6 +105,9 @@ def _rows(arrays: Sequence[Array], fill: float) -> Array:
 
 
 def _edges(starts: Sequence[Start], motions: Sequence[BaseMotion]) -> Array:
+    breakpoints = [motion.breakpoints for motion in motions]
+    if not any(start.t_start < t < start.t_end for start in starts for t in breakpoints[start.motion]):
+        return np.array([(start.t_start, start.t_end) for start in starts], dtype=np.float64)
     rows = [segment_edges(motions[start.motion], start.t_start, start.t_end) for start in starts]
     table = np.empty((len(rows), max(len(row) for row in rows)))
     for i, row in enumerate(rows):

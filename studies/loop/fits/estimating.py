@@ -180,7 +180,7 @@ def robust_covariance(simulator: Simulator, noisy: Simulator, found: Fit) -> Arr
     count = len(simulator.tests)
     draws = len(noisy.tests) // count
     read = read_of(simulator, model, windows)
-    jobs = [replace(job, test=count * k + job.test) for k in range(draws) for job in jobs_of(windows, 0)]
+    jobs = [job._replace(test=count * k + job.test) for k in range(draws) for job in jobs_of(windows, 0)]
     again = observe(noisy, [model], jobs, [*windows] * draws)
     meat, n = np.zeros_like(matrix), len(windows)
     for i, (w, part, weight) in enumerate(zip(windows, each, weights, strict=True)):

@@ -178,7 +178,7 @@ class LoopModel:
             self._in_tests[number] = replace(self, number=self.number + number)
         return self._in_tests[number]
 
-    @property
+    @cached_property
     def varies(self) -> bool:
         """Whether it is another one in another test."""
         return self.drift != 0.0 or bool(self.acting_changes)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -78,9 +77,10 @@ class PaddedMotion:
         return f"PaddedMotion({self.label!r})"
 
 
-def _padded(motions: Sequence[SampledMotion]) -> list[PaddedMotion]:
-    size = max((motion.parameters.size for motion in motions), default=0)
-    return [PaddedMotion(motion, size) for motion in motions]
+def _padded(*each: Sequence[SampledMotion]) -> list[list[PaddedMotion]]:
+    """Motions with as many parameters each: what an effect makes of them is compiled for that number of them, once."""
+    size = max((motion.parameters.size for motions in each for motion in motions), default=0)
+    return [[PaddedMotion(motion, size) for motion in motions] for motions in each]
 
 
 class Peak(NamedTuple):
@@ -151,8 +151,7 @@ class Struck(NamedTuple):
 NEVER = Struck(0, LONG_AGO)
 
 
-@dataclass(frozen=True)
-class Job:
+class Job(NamedTuple):
     """One run: which model on which test, over which times, from which rotation and speed."""
 
     model: int
@@ -165,8 +164,7 @@ class Job:
     struck: Struck = NEVER  # impacts before the start
 
 
-@dataclass(frozen=True)
-class Answer:
+class Answer(NamedTuple):
     """What a run gave at its times: true rotation [rad], filled with +-pi/2 after a fall; full states besides."""
 
     theta: Array
@@ -222,7 +220,7 @@ class Simulator:
         self.factors = (1,) * len(self.tests) if factors is None else tuple(factors)
         bases = [self._recorded(test) for test in self.tests]
         driving = [thinned(base, factor) for base, factor in zip(bases, self.factors, strict=True)]
-        self.bases, self.driving = _padded(bases), _padded(driving)
+        self.bases, self.driving = _padded(bases, driving)
         self.spans = [(float(test.time[0]), float(test.time[-1])) for test in self.tests]
         self._altered: dict[tuple[int, Any, bool], BaseMotion] = {}
         self._sampled: dict[tuple[int, int], tuple[BaseMotion, Base]] = {}
@@ -319,7 +317,7 @@ class Simulator:
         history = [peak.time for peak in job.history]
         start, *before = at(np.array([job.start, *history])).tolist()
         peaks = tuple(peak._replace(time=time) for peak, time in zip(job.history, before, strict=True))
-        return replace(job, times=at(job.times), start=start, history=peaks)
+        return job._replace(times=at(job.times), start=start, history=peaks)
 
     def _carried(self, models: Sequence[LoopModel], jobs: Sequence[Job]) -> list[dict[str, Any]]:
         """What a rotation does not show of the state at the start of each job: slip and height of the corner, impacts.
@@ -398,13 +396,19 @@ class Simulator:
     def _run(self, models: Sequence[LoopModel], jobs: Sequence[Job], carried: Sequence[dict[str, Any]]) -> list[Answer]:
         systems = [model.system for model in models]
         groups: dict[Any, list[int]] = {}
-        motions = [self._driving(models[job.model], job.test) for job in jobs]
+        motions: list[BaseMotion] = []
+        known: dict[tuple[int, int], tuple[BaseMotion, list[int]]] = {}  # by model and test: its base, and its group
         for i, job in enumerate(jobs):
-            system, motion = systems[job.model], motions[i]
-            hooks = getattr(system.parameters, "hooks", None)
-            held = (hooks.accelerations, hooks.restitutions) if hooks is not None else None
-            key = (system.flow, held, np.shape(getattr(hooks, "values", ())), motion.kernel, pitch_kernel(motion))
-            groups.setdefault(key, []).append(i)
+            place = job.model, job.test
+            if place not in known:
+                system, motion = systems[job.model], self._driving(models[job.model], job.test)
+                hooks = getattr(system.parameters, "hooks", None)
+                held = (hooks.accelerations, hooks.restitutions) if hooks is not None else None
+                key = (system.flow, held, np.shape(getattr(hooks, "values", ())), motion.kernel, pitch_kernel(motion))
+                known[place] = motion, groups.setdefault(key, [])
+            motion, group = known[place]
+            motions.append(motion)
+            group.append(i)
         answers: list[Answer | None] = [None] * len(jobs)
         for members in groups.values():
             for i, answer in zip(members, self._run_group(systems, motions, jobs, carried, members), strict=True):
@@ -423,7 +427,7 @@ class Simulator:
             if key not in places:
                 places[key] = len(every)
                 every.append(models[job.model].in_test(key[1]))
-            out.append(replace(job, model=places[key]))
+            out.append(job._replace(model=places[key]))
         return every, out
 
     def _run_group(
@@ -446,17 +450,19 @@ class Simulator:
             [systems[m] for m in own_systems], [m for _, m in own_motions.values()], starts,
             [jobs[i].times for i in members], rtol=RTOL, atol=ATOL, max_events=most,
         )  # fmt: skip
-        column = first.state_names.index("theta")
+        every = found.y[:, first.state_names.index("theta")].copy()
         answers, at = [], 0
-        for k, i in enumerate(members):
+        ended = found.fell | found.failed
+        for k, (i, fell, failed) in enumerate(zip(members, found.fell.tolist(), found.failed.tolist(), strict=True)):
             part = slice(at, at + jobs[i].times.size)
             at = part.stop
-            y = found.y[part]
-            theta = np.where(np.isnan(y[:, column]), _last_side(y[:, column]), y[:, column])
-            fell = bool(found.fell[k])
-            when = float(found.overturning_time[k]) if fell else math.nan
-            when = jobs[i].start if fell and math.isnan(when) else when
-            answers.append(Answer(theta, y, found.mode[part], found.s[part], fell, bool(found.failed[k]), when))
+            theta, when = every[part], math.nan
+            if ended[k]:
+                theta = np.where(np.isnan(theta), _last_side(theta), theta)
+            if fell:
+                when = float(found.overturning_time[k])
+                when = jobs[i].start if math.isnan(when) else when
+            answers.append(Answer(theta, found.y[part], found.mode[part], found.s[part], fell, failed, when))
         return answers
 
 

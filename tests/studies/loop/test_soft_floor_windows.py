@@ -6,7 +6,6 @@ The record is made with the package's SciPy solver; the runs and fits are on the
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -63,7 +62,7 @@ def test_how_deep_a_foot_is_at_a_peak_is_carried_over_as_many_swings_as_the_floo
         found = [state["beside"][0][4] if state else math.nan for state in states]
         return float(np.nanmedian(np.abs(np.array(found) - true)))
 
-    one = [replace(job, history=job.history[-1:]) for job in jobs]
+    one = [job._replace(history=job.history[-1:]) for job in jobs]
     # The rates of the centre of mass are centimetres a second; none of it is known at the first of the peaks.
     assert missed(jobs) < 0.5 * missed(one)
     assert missed(jobs) < 0.1 * float(np.std(true))
