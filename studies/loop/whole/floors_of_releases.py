@@ -139,13 +139,14 @@ def _told(setup: Setup, onto: Trial, floor: Candidate, releases: Sequence[Window
     first = _first_swings(setup, releases, FIRST)
     further = [*_first_swings(setup, releases, THEN), list(releases)]
     fixed, freed = (_no_harder_along(c) for c in (no_harder(floor, declared), with_friction(floor, declared)))
+    without = _left_without(setup, onto, first)
     starts = _best_starts(setup, onto, fixed, first[0])
     forms: list[tuple[Candidate, Mapping[str, float]]] = [(fixed, {})]
     if floor.otherwise:
         forms += [(freed, {}), *((form, law) for law in floor.otherwise for form in (fixed, freed))]
     for k, (form, changed) in enumerate(forms):
         begun = [model.changed(changed) for model in starts]
-        found, near = _from_starts(setup, onto, form, begun, first, NEAR if k else FAR_OFF)
+        found, near = _from_starts(setup, onto, form, begun, first, without, NEAR if k else FAR_OFF)
         carried = (_carried_on(setup, fitted, further) for fitted in found)
         best = min((f for f in carried if f is not None), key=lambda f: f.chi2, default=None)
         if best is not None:
@@ -221,17 +222,31 @@ def _best_starts(setup: Setup, onto: Trial, floor: Candidate, first: Sequence[Wi
     return [model for _, _, model in sorted(there)[:STARTS]]
 
 
+def _left_without(setup: Setup, onto: Trial, first: Sequence[Sequence[Window]]) -> list[float]:
+    """Chi-square of the first swings of the releases without a floor that gives."""
+    out, windows = [], list(first[0])
+    for more in first:
+        windows = _as_far(more, windows)
+        there = fit(setup.simulator, onto.swing.model, onto.every, windows, huber=math.inf, iterations=8, central=True)
+        windows = list(there.windows)
+        out.append(there.chi2)
+    return out
+
+
 def _from_starts(
     setup: Setup,
     onto: Trial,
     floor: Candidate,
     starts: Sequence[LoopModel],
     first: Sequence[Sequence[Window]],
+    without: Sequence[float],
     far_off: float,
 ) -> tuple[list[Fit], list[LoopModel]]:
     """Fits that meet the first swings of the releases, the best of each minimum; and where starts led that came near.
 
     Plain least squares: from afar all releases are missed by far, and have to count.
+
+    without: chi-square of each of `first` without the floor; one that leaves more goes no further.
     """
     found: list[Fit] = []
     near: list[Fit] = []
@@ -246,6 +261,8 @@ def _from_starts(
                     setup.simulator, there.model, parameters, there.windows, huber=math.inf, iterations=8, central=True
                 )
             model, windows = there.model, list(there.windows)
+            if there.chi2 > without[k]:
+                break
             if k == 0 and there.rms < NEAR:
                 near.append(there)
             if there.rms > (_of_noise(setup, there) if k == 0 else far_off):

@@ -202,6 +202,37 @@ def test_one_swing_is_met_to_four_standard_deviations_of_noise(monkeypatch: pyte
 
 
 @pytest.mark.parametrize(
+    ("left", "without", "near", "found"),
+    [
+        # A magnet beneath the block: the best bed left 3.1 of one swing of each release where a floor that does not
+        # give left 1.2 (chi-square over 479 samples), and other laws of slip were asked for half of all the time.
+        ((1487.0,), (582.0, 1144.0), 0, 0),
+        # Air that is squeezed out beneath it: one swing was met, and of two more was left than without a floor.
+        ((221.4, 485.0), (221.5, 441.0), 1, 0),
+        ((221.4, 440.0), (221.5, 441.0), 1, 1),
+    ],
+)
+def test_a_floor_that_leaves_more_of_first_swings_than_none_goes_no_further(
+    monkeypatch: pytest.MonkeyPatch, left: tuple[float, ...], without: tuple[float, ...], near: int, found: int
+) -> None:
+    floor = Candidate("floor", "floor", (), (), {})
+    setup: Any = SimpleNamespace(simulator=None)
+    onto: Any = SimpleNamespace(calibrated_with=lambda part: (), parameters=())
+    asked = list(left)
+
+    def fit(simulator: Any, model: Any, parameters: Any, windows: Any, **options: Any) -> Any:
+        return SimpleNamespace(model=model, windows=windows, rms=1.0, chi2=asked.pop(0), converged=True, samples=479)
+
+    monkeypatch.setattr(floors_of_releases, "fit", fit)
+    monkeypatch.setattr(floors_of_releases, "_of_noise", lambda setup, fitted: 1.1)
+    monkeypatch.setattr(floors_of_releases, "_as_far", lambda windows, fitted: list(windows))
+    start: Any = SimpleNamespace()
+    first: Any = [()] * len(without)
+    met, begun = floors_of_releases._from_starts(setup, onto, floor, [start], first, without, math.inf)
+    assert asked == [] and (len(begun), len(met)) == (near, found)
+
+
+@pytest.mark.parametrize(
     ("along", "chi2", "kept"), [(2.0, 1e9, 2.0), (8.0, 1059.0, 1.0), (8.0, 1061.0, 8.0), (0.2, 1059.0, 1.0)]
 )
 def test_a_stiffness_along_the_floor_that_releases_do_not_tell_is_that_into_it(
