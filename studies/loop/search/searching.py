@@ -12,8 +12,9 @@ Status   a planted pair of which one effect came second to a stand-in for both i
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 
 from studies.loop.fits.fitting import Fit
@@ -25,6 +26,7 @@ from studies.loop.search.rounds import Path, Tell, followed, nothing_of_swings, 
 from studies.loop.swings.learning import MOST_ALIKE, by_itself, inner, open_to, profiles, terms
 from studies.loop.swings.tracing import LEADS, all_candidates, floor_promises, search
 from studies.loop.swings.trials import LEAST_GAIN, PAYS, Round, Trial, bic, pays
+from studies.loop.swings.trying import promise
 from studies.loop.whole.floors_of_releases import from_releases, tell_of_floors
 from studies.loop.whole.remaining import (
     CLOSELY,
@@ -58,6 +60,9 @@ NOT_ON_TOP = "floors that give were not tried on top of this; runs take long"
 NOT_OF_RELEASES = "no floor meets the releases and serves whole records"
 
 NOT_NEEDED_OF_RELEASES = "another floor meets all releases down to their noise; runs take long"
+
+SURELY = 1.5
+"""By how much more than some windows say a form may lower what is left of swings, where that is little."""
 
 ONE_TERM = "one coefficient without a name leaves nothing over the noise, nor of whole records; runs take long"
 
@@ -118,12 +123,16 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     if _one_term_is_enough(setup, plain, tell):
         rounds = [replace(r, skipped=r.skipped | {c.name: ONE_TERM for c in r.put_off}) for r in rounds]
         return _told(setup, quick, paths, greedy, rounds)
-    beside = _term_beside(setup, plain, quick, tell) if floor is None else None
+    kinds = _kinds_of_forms(setup, plain, quick) if floor is None else []
+    form = None
+    if len(kinds) > 1 and kinds[0].goes_on and kinds[0].promise > kinds[1].promise + PAYS:
+        form = _form_in_place(setup, plain, quick, [kinds.pop(0)], lead, tell)
+    beside = _term_beside(setup, plain, quick, tell) if floor is None and form is None else None
     if beside is not None:
         why = ONE_BESIDE if len(beside.parts) > 1 else ONE_TERM
         rounds = [replace(r, skipped=r.skipped | {c.name: why for c in r.put_off}) for r in rounds]
         return replace(_told(setup, quick, paths, greedy, rounds), term=beside)
-    form = _form_in_place(setup, plain, quick, tell) if floor is None else None
+    form = form or _form_in_place(setup, plain, quick, kinds, lead, tell)
     if form is not None:
         rounds = [replace(r, skipped=r.skipped | {c.name: ONE_FORM for c in r.put_off}) for r in rounds]
         return replace(_told(setup, quick, paths, greedy, rounds), term=form)
@@ -307,27 +316,55 @@ def _needed(setup: Setup, plain: Trial, trial: Trial, whole: Fit) -> Trial:
     return trial
 
 
-def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial | None:
+@dataclass(frozen=True)
+class _Kind:
+    """Forms of one kind without a name."""
+
+    what: str
+    pool: Sequence[Candidate]
+    goes_on: bool  # whether they have states that go on from swing to swing
+    promise: float  # what the criterion of the swings promises to fall by
+
+
+def _kinds_of_forms(setup: Setup, plain: Trial, path: Path) -> list[_Kind]:
+    """What may be asked in the place of a path that leaves something: curves, and what goes on within the block or
+    beside it, the more promising first.
+
+    Where the calibrated block leaves no more of swings than chance would, what a form may gain of them is told by its
+    score: one that could not be preferred by far is none.
+    """
+    if not setup.by_rotation or not declared_noise(setup):
+        return []
+    if by_chance(setup, path.last) and met(setup, path.whole, MISSED):
+        return []
+    declared, released = plain.swing.model.declared, any(test.kind == "free" for test in setup.simulator.tests)
+    pools = (
+        ("curves against the rotation", profiles(declared, plain.swing.windows), False),
+        ("what goes on within the block", inner(declared, released), True),
+    )
+    little = by_chance(setup, plain)
+    least = bic(plain.swing) - bic(path.last.swing) + PAYS if little else -math.inf
+    found = [
+        _Kind(what, pool, goes_on, promise(setup.simulator, plain, pool, SURELY if little else 1.0))
+        for what, pool, goes_on in pools
+    ]
+    return sorted((kind for kind in found if kind.promise > least), key=lambda kind: -kind.promise)
+
+
+def _form_in_place(
+    setup: Setup, plain: Trial, path: Path, kinds: Sequence[_Kind], lead: Lead, tell: Tell
+) -> Trial | None:  # fmt: skip
     """A form of many coefficients that leaves nothing of swings and whole records, where a path leaves something.
 
-    A curve against the rotation, or what goes on in time within the block or beside it, of which runs take longer.
     Swings have to prefer it by far, and whole records must not refuse it.  Floors that give have been asked alone, and
     of what they do together with something else one such form says little.  Where swings are left with no more than
     chance would leave, and whole records are missed, a form may still be preferred by far: what it does is little in
     any one swing.  Where a coefficient or two say as much of the swings,
     no form is taken that whole records do not prefer to them.
     """
-    if not setup.by_rotation or not declared_noise(setup):
-        return None
-    if by_chance(setup, path.last) and met(setup, path.whole, MISSED):
-        return None
-    declared, released = plain.swing.model.declared, any(test.kind == "free" for test in setup.simulator.tests)
-    for what, pool in (
-        ("curves against the rotation", profiles(declared, plain.swing.windows)),
-        ("what goes on within the block", inner(declared, released)),
-    ):
-        tell(f"something is left: asking {what}")
-        forms = sorted(search(setup.simulator, plain, pool, tell, leading=True).trials, key=lambda t: bic(t.swing))
+    for kind in kinds:
+        tell(f"something is left: asking {kind.what}")
+        forms = sorted(search(setup.simulator, plain, kind.pool, tell, leading=True).trials, key=lambda t: bic(t.swing))
         best: tuple[Trial, Fit] | None = None
         for form in forms[:MOST_ALIKE]:
             # Of those that swings do not tell from the first one whole records choose.
@@ -339,7 +376,7 @@ def _form_in_place(setup: Setup, plain: Trial, path: Path, tell: Tell) -> Trial 
             if best is None or explains_more(setup, found[1], best[1]):
                 best = found
         if best is not None:
-            few = search(setup.simulator, plain, by_itself(setup.simulator, plain), tell, leading=True).best
+            few = lead()
             if few is None or bic(best[0].swing) < bic(few.swing):
                 return best[0]
             return best[0] if explains_more(setup, best[1], whole_fit(setup, few)) else None

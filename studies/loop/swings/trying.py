@@ -91,20 +91,48 @@ def on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> First | 
     return First(best.model, parameters, without - best.chi2)
 
 
+def promise(simulator: Simulator, onto: Trial, pool: Iterable[Candidate], times: float = 1.0) -> float:
+    """By how much the criterion of the swings would fall with the best of a pool, to first order, as some windows say.
+
+    Of what enters linearly but by its size alone (its scouts), that size is asked at the best of its starts.  What
+    takes another form of what went before promises as much as that.
+
+    times: what the score of each is multiplied by, before its parameters are paid for.
+    """
+    windows = onto.swing.windows
+    chosen = every_so_many(len(windows), SOME)
+    fitted, price = onto.swing.of(chosen), math.log(max(onto.swing.samples, 2))
+    best = -math.inf
+    for candidate in (c for c in pool if not c.after):
+        own = tuple(p for p in candidate.parameters if candidate.smooth or p.name in candidate.scouts)
+        models = _at_nothing(fitted.model, candidate, own, nothing_of(onto, candidate))
+        scores = gains(simulator, fitted, dict.fromkeys(models, own), models).values()
+        score = max((score for score in scores if math.isfinite(score)), default=-math.inf)
+        best = max(best, times * score * len(windows) / len(chosen) - len(candidate.parameters) * price)
+    return best
+
+
 def best_by_score(simulator: Simulator, fitted: Fit, candidate: Candidate) -> list[Mapping[str, float]]:
     """The starts of a candidate of which the score of a scout is largest: what enters linearly promises something near
     where it is alone, at the price of a run or two.
 
     fitted: without the candidate.
     """
-    models, nothing = dict[str, LoopModel](), candidate.absent(fitted.model.declared)
-    for k, start in enumerate(candidate.starts):
-        with suppress(ValueError):
-            at_nothing = {name: nothing[name] for name in candidate.scouts}
-            models[str(k)] = fitted.model.changed({**candidate.fixed, **start, **at_nothing})
     scouts = tuple(p for p in candidate.parameters if p.name in candidate.scouts)
+    models = _at_nothing(fitted.model, candidate, scouts, candidate.absent(fitted.model.declared))
     best = ranked_by_score(simulator, fitted, scouts, models)[: candidate.scored]
     return [candidate.starts[int(k)] for k in best]
+
+
+def _at_nothing(
+    model: LoopModel, candidate: Candidate, linear: Sequence[Parameter], nothing: Mapping[str, float]
+) -> dict[str, LoopModel]:
+    """The model with the candidate in it from each of its starts, by their numbers, but for what enters linearly."""
+    models = dict[str, LoopModel]()
+    for k, start in enumerate(candidate.starts or (nothing,)):
+        with suppress(ValueError):
+            models[str(k)] = model.changed({**candidate.fixed, **start, **{p.name: nothing[p.name] for p in linear}})
+    return models
 
 
 def ranked_by_score(

@@ -1,5 +1,6 @@
 """Where the search goes: to floors last of all, and back where something is left; rounds and fits are stubs."""
 
+import math
 from types import SimpleNamespace
 
 import pytest
@@ -58,7 +59,7 @@ def ways(monkeypatch):
     told = SimpleNamespace(
         chance=True, explains=True, rounds=[], accepted={}, put_off=(SimpleNamespace(name="floor"),), whole=1.4,
         trials={}, declared=True, term=False, promises=False, nothing=(),
-        form=None, from_many=None, beside=None, alone=(), ahead=None,
+        form=None, from_many=None, beside=None, alone=(), ahead=None, kinds=(), asked=[],
     )  # fmt: skip
 
     def one_round(setup, onto, whole, pool, tell, known, later):
@@ -90,9 +91,21 @@ def ways(monkeypatch):
     told.asked_for_a_term = searching._one_term_is_enough
     monkeypatch.setattr(searching, "_one_term_is_enough", lambda setup, plain, tell: told.term)
     told.asked_for_a_form = searching._form_in_place
-    monkeypatch.setattr(searching, "_form_in_place", lambda setup, plain, path, tell: told.form)
+
+    def form_in_place(setup, plain, path, kinds, lead, tell):
+        told.asked.append([kind.what for kind in kinds])
+        return told.form
+
+    monkeypatch.setattr(searching, "_form_in_place", form_in_place)
+    told.kinds_of_forms = searching._kinds_of_forms
+    monkeypatch.setattr(searching, "_kinds_of_forms", lambda setup, plain, path: list(told.kinds))
     told.asked_beside = searching._term_beside
-    monkeypatch.setattr(searching, "_term_beside", lambda setup, plain, path, tell: told.beside)
+
+    def beside(setup, plain, path, tell):
+        told.asked.append("beside")
+        return told.beside
+
+    monkeypatch.setattr(searching, "_term_beside", beside)
     told.asked_ahead = searching._term_ahead
     monkeypatch.setattr(searching, "_term_ahead", lambda setup, path, rounds, lead: told.ahead)
     told.coefficient = searching._coefficient
@@ -189,6 +202,61 @@ def test_floors_are_not_tried_where_a_coefficient_beside_what_was_found_or_a_for
     found = searched()
     assert found.term is (ways.beside or ways.form) and not any(not later for _, later, _ in ways.rounds)
     assert all(r.skipped == {"floor": said} for r in found.rounds)
+
+
+@pytest.mark.parametrize(
+    ("within", "curves", "form", "asked"),
+    [
+        # What a hysteretic layer promised, and a curve in its place: it is asked first of all.
+        (4075.0, 3975.0, True, [["within"]]),
+        (4075.0, 3975.0, False, [["within"], "beside", ["curves"]]),
+        (4030.0, 3975.0, True, ["beside", ["within", "curves"]]),
+        # And a magnet.
+        (204.0, 3487.0, True, ["beside", ["curves", "within"]]),
+        (204.0, -math.inf, True, ["beside", ["within"]]),
+    ],
+)
+def test_what_goes_on_in_time_is_asked_first_where_it_promises_more(ways, within, curves, form, asked):
+    ways.explains = ways.chance = False
+    ways.accepted, ways.form = {((), True): path_of("a")}, path_of("learned") if form else None
+    kinds = [searching._Kind("within", (), True, within), searching._Kind("curves", (), False, curves)]
+    ways.kinds = sorted((k for k in kinds if k.promise > -math.inf), key=lambda k: -k.promise)
+    found = searched()
+    assert found.term is ways.form and ways.asked == asked
+
+
+@pytest.mark.parametrize(
+    ("chance", "left", "promises", "kept"),
+    [
+        (False, 1000.0, {"curves": 204.0, "within": 3487.0}, ["within", "curves"]),
+        (False, 1000.0, {"curves": -1.0, "within": -9.0}, ["curves", "within"]),
+        # Air that is squeezed out from under a block: swings left what chance does, and no form could pay for itself.
+        (True, 1000.0, {"curves": 33.0, "within": 16.0}, []),
+        (True, 1000.0, {"curves": 61.0, "within": 59.0}, ["curves"]),
+        # A path that explains 100 of them already has to be outdone by far.
+        (True, 900.0, {"curves": 161.0, "within": 159.0}, ["curves"]),
+    ],
+)
+def test_forms_are_asked_that_promise_something(ways, monkeypatch, chance, left, promises, kept):
+    """Where much is left they promise roughly, and are asked all the same."""
+    plain, path = path_of(chi2=1000.0), path_of("a", chi2=left)
+    plain.swing.model, plain.swing.windows = SimpleNamespace(declared=None), ()
+    times = []
+
+    def promise(simulator, onto, pool, share):
+        assert onto is plain
+        times.append(share)
+        return promises[pool]
+
+    monkeypatch.setattr(searching, "promise", promise)
+    monkeypatch.setattr(searching, "profiles", lambda block, windows: "curves")
+    monkeypatch.setattr(searching, "inner", lambda block, released: "within")
+    monkeypatch.setattr(searching, "by_chance", lambda setup, trial: chance and trial is plain)
+    setup = setup_of(True)
+    setup.simulator = SimpleNamespace(tests=[])
+    found = ways.kinds_of_forms(setup, plain, SimpleNamespace(last=path, whole=SimpleNamespace(rms=2.0)))
+    assert [kind.pool for kind in found] == kept
+    assert times == [searching.SURELY if chance else 1.0] * 2
 
 
 def test_a_coefficient_ahead_of_what_was_found_ends_the_search_for_names(ways):
@@ -325,7 +393,6 @@ def test_a_form_is_taken_where_it_leaves_noise_of_swings_and_whole_records(ways,
     plain.swing.model, plain.swing.windows = SimpleNamespace(declared=None), ()
     monkeypatch.setattr(searching, "profiles", lambda block, windows: "curves")
     monkeypatch.setattr(searching, "inner", lambda block, released: ("within", released))
-    monkeypatch.setattr(searching, "by_itself", lambda simulator, trial: "few")
     monkeypatch.setattr(searching, "over_noise", lambda setup, trial: told.left)
     monkeypatch.setattr(searching, "unexplained", lambda setup: 1.05)
     monkeypatch.setattr(
@@ -339,8 +406,6 @@ def test_a_form_is_taken_where_it_leaves_noise_of_swings_and_whole_records(ways,
 
     def search(simulator, onto, pool, tell, leading=False):
         assert onto is plain
-        if pool == "few":
-            return Round(onto, [] if told.few is None else [path_of("one or two", chi2=told.few)])
         asked.append(pool)
         return Round(onto, [form] if told.found == pool or told.found is True else [])
 
@@ -348,7 +413,10 @@ def test_a_form_is_taken_where_it_leaves_noise_of_swings_and_whole_records(ways,
     its_whole = SimpleNamespace(rms=told.missed)
     on_the_way, setup = SimpleNamespace(last=path, whole=its_whole), setup_of(told.rotation)
     setup.simulator = SimpleNamespace(tests=[SimpleNamespace(kind="forced"), SimpleNamespace(kind="free")])
-    found = ways.asked_for_a_form(setup, plain, on_the_way, lambda text: None)
+    few = None if told.few is None else path_of("one or two", chi2=told.few)
+    monkeypatch.setattr(searching, "promise", lambda simulator, onto, pool, times: 1.0 * (pool == "curves"))
+    kinds = ways.kinds_of_forms(setup, plain, on_the_way)
+    found = ways.asked_for_a_form(setup, plain, on_the_way, kinds, lambda: few, lambda text: None)
     assert found is (form if taken else None)
     # What goes on in time is asked where curves do not explain it.
     if told.rotation and told.declared and (not told.chance or told.missed > searching.MISSED):
@@ -391,14 +459,13 @@ def test_of_forms_that_swings_do_not_tell_apart_whole_records_choose(
 
     monkeypatch.setattr(searching, "whole_fit", whole_fit)
     monkeypatch.setattr(searching, "explains_more", more)
-    found = {"curves": [fine, wide], "within": [], "few": []}
-    monkeypatch.setattr(searching, "by_itself", lambda simulator, trial: "few")
+    found = {"curves": [fine, wide], "within": []}
     monkeypatch.setattr(searching, "search", lambda s, onto, pool, tell, leading: Round(onto, found[pool]))
-    setup = setup_of(True)
-    setup.simulator = SimpleNamespace(tests=[])
+    kinds = [SimpleNamespace(what=pool, pool=pool) for pool in found]
     chosen = ways.asked_for_a_form(
-        setup, plain, SimpleNamespace(last=path, whole=whole_of(ways, path)), lambda text: None
-    )
+        setup_of(True), plain, SimpleNamespace(last=path, whole=whole_of(ways, path)), kinds, lambda: None,
+        lambda text: None,
+    )  # fmt: skip
     assert chosen is {"fine": fine, "wide": wide, None: None}[taken]
 
 

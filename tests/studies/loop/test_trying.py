@@ -91,3 +91,38 @@ def test_starts_are_ranked_by_the_score_of_what_enters_linearly(monkeypatch: pyt
     best = trying.best_by_score("simulator", some, candidate)  # type: ignore[arg-type]
     assert [start["mode.frequency"] for start in best] == [2.0, 4.0]
     assert all(start["mode.size"] == 0.1 for start in best)
+
+
+def test_forms_promise_what_their_scores_say_of_some_windows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Less the price of their parameters, ln(n) each; what enters linearly by its size alone at its best start."""
+
+    def gains(simulator: Any, fitted: Any, parameters: Any, models: Any) -> dict[str, float]:
+        assert fitted.windows == tuple(range(0, 120, 2))
+        own = next(iter(parameters.values()))
+        scores = {2: {(): 30.0}, 1: {1.0: 9.0, 2.0: 20.0, 3.0: math.inf}}[len(own)]
+        return {k: scores[model.get("mode.frequency", ())] for k, model in models.items()}
+
+    first, second, size, frequency = (
+        SimpleNamespace(name=name) for name in ("curve.first", "curve.second", "mode.size", "mode.frequency")
+    )
+    monkeypatch.setattr(trying, "gains", gains)
+    monkeypatch.setattr(trying, "nothing_of", lambda onto, candidate: {p.name: 0.0 for p in candidate.parameters})
+    model = SimpleNamespace(changed=dict)
+    swing = SimpleNamespace(
+        windows=range(120), model=model, samples=150,
+        of=lambda chosen: SimpleNamespace(windows=tuple(chosen), model=model),
+    )  # fmt: skip
+    curve, mode = (
+        SimpleNamespace(parameters=parameters, starts=starts, fixed={}, smooth=smooth, scouts=scouts, after="")
+        for parameters, starts, smooth, scouts in (
+            ((first, second), (), True, ()),
+            ((size, frequency), tuple({"mode.frequency": f} for f in (1.0, 2.0, 3.0)), False, ("mode.size",)),
+        )
+    )
+    other = SimpleNamespace(after="mode")
+    onto: Any = SimpleNamespace(swing=swing)
+    simulator: Any = None
+    price = 2.0 * math.log(150.0)
+    for pool, score in (((curve,), 60.0), ((mode, other), 40.0), ((curve, mode), 60.0), ((), -math.inf)):
+        assert trying.promise(simulator, onto, pool) == pytest.approx(score - price)
+        assert trying.promise(simulator, onto, pool, 1.5) == pytest.approx(1.5 * score - price)
