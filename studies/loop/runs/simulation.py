@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
+from copy import copy
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -70,17 +71,26 @@ class PaddedMotion:
         moves = any(np.any(a) for a in (motion.a_x, motion.a_z) if a is not None)
         self.max_step = motion.max_step if moves else AT_REST
         self.time_step = motion.time_step
-        self.parameters = np.concatenate([motion.parameters, np.zeros(size - motion.parameters.size)])
+        self.parameters = _filled(motion.parameters, size)
         self.label = motion.name
+
+    def filled(self, size: int) -> PaddedMotion:
+        """The same with so many parameters."""
+        other = copy(self)
+        other.parameters = _filled(self.parameters, size)
+        return other
 
     def __repr__(self) -> str:
         return f"PaddedMotion({self.label!r})"
 
 
-def _padded(*each: Sequence[SampledMotion]) -> list[list[PaddedMotion]]:
-    """Motions with as many parameters each: what an effect makes of them is compiled for that number of them, once."""
-    size = max((motion.parameters.size for motions in each for motion in motions), default=0)
-    return [[PaddedMotion(motion, size) for motion in motions] for motions in each]
+def _filled(parameters: Array, size: int) -> Array:
+    return np.concatenate([parameters, np.zeros(size - parameters.size)])
+
+
+def _padded(motions: Sequence[SampledMotion]) -> list[PaddedMotion]:
+    size = max((motion.parameters.size for motion in motions), default=0)
+    return [PaddedMotion(motion, size) for motion in motions]
 
 
 class Peak(NamedTuple):
@@ -220,7 +230,7 @@ class Simulator:
         self.factors = (1,) * len(self.tests) if factors is None else tuple(factors)
         bases = [self._recorded(test) for test in self.tests]
         driving = [thinned(base, factor) for base, factor in zip(bases, self.factors, strict=True)]
-        self.bases, self.driving = _padded(bases, driving)
+        self.bases, self.driving = _padded(bases), _padded(driving)
         self.spans = [(float(test.time[0]), float(test.time[-1])) for test in self.tests]
         self._altered: dict[tuple[int, Any, bool], BaseMotion] = {}
         self._sampled: dict[tuple[int, int], tuple[BaseMotion, Base]] = {}
@@ -292,7 +302,9 @@ class Simulator:
         if key not in self._altered:
             if len(self._altered) > 80 * len(self.tests):
                 self._altered.clear()
-            self._altered[key] = model.base(motions[test], self.spans[test])
+            # What an effect makes of a motion is compiled for its number of parameters: once for bases and thinned ones.
+            size = max(each[test].parameters.size for each in (self.bases, self.driving))
+            self._altered[key] = model.base(motions[test].filled(size), self.spans[test])
         return self._altered[key]
 
     def run(self, models: Sequence[LoopModel], jobs: Sequence[Job]) -> list[Answer]:

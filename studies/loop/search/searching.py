@@ -12,7 +12,6 @@ Status   a planted pair of which one effect came second to a stand-in for both i
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -343,12 +342,12 @@ def _kinds_of_forms(setup: Setup, plain: Trial, path: Path) -> list[_Kind]:
         ("what goes on within the block", inner(declared, released), True),
     )
     little = by_chance(setup, plain)
-    least = bic(plain.swing) - bic(path.last.swing) + PAYS if little else -math.inf
+    least = bic(plain.swing) - bic(path.last.swing) + PAYS
     found = [
         _Kind(what, pool, goes_on, promise(setup.simulator, plain, pool, SURELY if little else 1.0))
         for what, pool, goes_on in pools
     ]
-    return sorted((kind for kind in found if kind.promise > least), key=lambda kind: -kind.promise)
+    return sorted((kind for kind in found if not little or kind.promise > least), key=lambda kind: -kind.promise)
 
 
 def _form_in_place(

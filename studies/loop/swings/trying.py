@@ -94,10 +94,11 @@ def on_some(simulator: Simulator, onto: Trial, candidate: Candidate) -> First | 
 def promise(simulator: Simulator, onto: Trial, pool: Iterable[Candidate], times: float = 1.0) -> float:
     """By how much the criterion of the swings would fall with the best of a pool, to first order, as some windows say.
 
-    Of what enters linearly but by its size alone (its scouts), that size is asked at the best of its starts.  What
-    takes another form of what went before promises as much as that.
+    What noise alone would have them say, 1 for each number that is asked of them, is said of no others.  Of what enters
+    linearly by its size alone (its scouts), that size is asked at the best of its starts.  What takes another form of
+    what went before promises as much as that.
 
-    times: what the score of each is multiplied by, before its parameters are paid for.
+    times: what scores are multiplied by before parameters are paid for.
     """
     windows = onto.swing.windows
     chosen = every_so_many(len(windows), SOME)
@@ -108,7 +109,8 @@ def promise(simulator: Simulator, onto: Trial, pool: Iterable[Candidate], times:
         models = _at_nothing(fitted.model, candidate, own, nothing_of(onto, candidate))
         scores = gains(simulator, fitted, dict.fromkeys(models, own), models).values()
         score = max((score for score in scores if math.isfinite(score)), default=-math.inf)
-        best = max(best, times * score * len(windows) / len(chosen) - len(candidate.parameters) * price)
+        over_chance = max(score - len(own), 0.0)
+        best = max(best, times * over_chance * len(windows) / len(chosen) - len(candidate.parameters) * price)
     return best
 
 

@@ -229,7 +229,7 @@ def test_what_goes_on_in_time_is_asked_first_where_it_promises_more(ways, within
     ("chance", "left", "promises", "kept"),
     [
         (False, 1000.0, {"curves": 204.0, "within": 3487.0}, ["within", "curves"]),
-        (False, 1000.0, {"curves": -1.0, "within": -9.0}, ["curves", "within"]),
+        (False, 1000.0, {"curves": -1.0, "within": -math.inf}, ["curves", "within"]),
         # Air that is squeezed out from under a block: swings left what chance does, and no form could pay for itself.
         (True, 1000.0, {"curves": 33.0, "within": 16.0}, []),
         (True, 1000.0, {"curves": 61.0, "within": 59.0}, ["curves"]),

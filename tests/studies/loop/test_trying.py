@@ -94,7 +94,7 @@ def test_starts_are_ranked_by_the_score_of_what_enters_linearly(monkeypatch: pyt
 
 
 def test_forms_promise_what_their_scores_say_of_some_windows(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Less the price of their parameters, ln(n) each; what enters linearly by its size alone at its best start."""
+    """Over chance, less the price of their parameters; what enters linearly by its size alone at its best start."""
 
     def gains(simulator: Any, fitted: Any, parameters: Any, models: Any) -> dict[str, float]:
         assert fitted.windows == tuple(range(0, 120, 2))
@@ -123,6 +123,7 @@ def test_forms_promise_what_their_scores_say_of_some_windows(monkeypatch: pytest
     onto: Any = SimpleNamespace(swing=swing)
     simulator: Any = None
     price = 2.0 * math.log(150.0)
-    for pool, score in (((curve,), 60.0), ((mode, other), 40.0), ((curve, mode), 60.0), ((), -math.inf)):
+    # Twice what is over chance: 30 of two numbers, 20 of one.
+    for pool, score in (((curve,), 56.0), ((mode, other), 38.0), ((curve, mode), 56.0), ((), -math.inf)):
         assert trying.promise(simulator, onto, pool) == pytest.approx(score - price)
         assert trying.promise(simulator, onto, pool, 1.5) == pytest.approx(1.5 * score - price)
