@@ -302,7 +302,7 @@ class Simulator:
         if key not in self._altered:
             if len(self._altered) > 80 * len(self.tests):
                 self._altered.clear()
-            # What an effect makes of a motion is compiled for its number of parameters: once for bases and thinned ones.
+            # What an effect makes of a motion is compiled for its number of parameters: once for both kinds.
             size = max(each[test].parameters.size for each in (self.bases, self.driving))
             self._altered[key] = model.base(motions[test].filled(size), self.spans[test])
         return self._altered[key]
