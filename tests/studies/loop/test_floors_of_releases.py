@@ -204,9 +204,9 @@ def test_one_swing_is_met_to_four_standard_deviations_of_noise(monkeypatch: pyte
 @pytest.mark.parametrize(
     ("left", "without", "near", "found"),
     [
-        # A magnet beneath the block: the best bed left 3.1 of one swing of each release where a floor that does not
-        # give left 1.2 (chi-square over 479 samples), and other laws of slip were asked for half of all the time.
-        ((1487.0,), (582.0, 1144.0), 0, 0),
+        # A magnet beneath the block: the best bed left 3.2 of one swing of each release where a floor that does not
+        # give left 1.2 (chi-square over 479 samples), and other laws of slip were asked for a third of all the time.
+        ((1541.0,), (582.0, 1144.0), 0, 0),
         # Air that is squeezed out beneath it: one swing was met, and of two more was left than without a floor.
         ((221.4, 485.0), (221.5, 441.0), 1, 0),
         ((221.4, 440.0), (221.5, 441.0), 1, 1),
