@@ -6,16 +6,16 @@ One template with the same kernels gives one and the same function, so a compili
 
 from __future__ import annotations
 
-from functools import cache
 from types import FunctionType
 from typing import Any
+
+_made: dict[tuple[Any, ...], Any] = {}
 
 
 def bound(template: Any, **names: Any) -> Any:
     """The template with the stated globals; the rest of its module's globals stay."""
-    return _bound(template, tuple(sorted(names.items())))
-
-
-@cache
-def _bound(template: Any, names: tuple[tuple[str, Any], ...]) -> Any:
-    return FunctionType(template.__code__, {**template.__globals__, **dict(names)}, template.__name__)
+    key = template, *sorted(names.items())
+    if key not in _made:
+        made = FunctionType(template.__code__, {**template.__globals__, **names}, template.__name__)
+        return _made.setdefault(key, made)  # of two threads that ask at the same time both get the first one
+    return _made[key]

@@ -7,7 +7,7 @@ Status   exact where the formula is; an altered kernel exists in this process on
 
 from __future__ import annotations
 
-from functools import cache, cached_property
+from functools import cached_property
 from types import FunctionType
 from typing import Any, NamedTuple
 
@@ -16,12 +16,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from rocking.motion import BaseMotion, level, pitch_kernel
 
+_made: dict[tuple[Any, ...], Any] = {}
 
-@cache
+
 def _bound(template: Any, inner: Any, inner_pitch: Any, split: int) -> Any:
-    """A template with the names that it leaves open: a plain function, whose callees a compiler finds as globals."""
-    names = {**template.__globals__, "_inner": inner, "_inner_pitch": inner_pitch, "_split": split}
-    return FunctionType(template.__code__, names, template.__name__)
+    """A template with the names that it leaves open: a plain function, whose callees a compiler finds as globals.
+
+    The same names give one and the same function, also in threads that ask at the same time.
+    """
+    key = template, inner, inner_pitch, split
+    if key not in _made:
+        names = {**template.__globals__, "_inner": inner, "_inner_pitch": inner_pitch, "_split": split}
+        return _made.setdefault(key, FunctionType(template.__code__, names, template.__name__))
+    return _made[key]
 
 
 class AlteredMotion:

@@ -3,6 +3,9 @@
 The compiled code releases the interpreter lock.  numba's own parallel loops cannot take functions in a tuple (hooks)
 and compile for longer; besides, threads that take run after run, or piece after piece, can be stopped in between.
 
+Work in which compiled loops and Python take turns is done side by side too (`side_by_side`): while one thread is in
+compiled code another one has the interpreter.
+
 The thread that calls waits without a lock of Python's: a KeyboardInterrupt between the taking of one, as a future has,
 and the `with` that is to give it back leaves it taken, and then a worker waits for it, and the caller for the worker.
 """
@@ -10,9 +13,12 @@ and the `with` that is to give it back leaves it taken, and then a worker waits 
 from __future__ import annotations
 
 import _thread
+import sys
+import threading
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +36,61 @@ as long half."""
 SHORTEST_LOOK, LONGEST_LOOK = 5e-5, 2e-3
 """Seconds between two looks whether the other threads have ended; they grow as it takes longer."""
 
+TURN = 5e-5
+"""Seconds after which a thread side by side with others has to let one have the interpreter that comes out of compiled
+code: the usual 5e-3 are longer than most calls of compiled code are."""
+
+T = TypeVar("T")
+
+
+class _Thread(threading.local):
+    """What holds of the thread that asks: nothing, or that it is one of those side by side."""
+
+    share: int | None = None  # cores for its compiled loops
+    stopped: Sequence[object] = ()  # not empty once it is to end
+
+
+_this = _Thread()
+
+
+def _look() -> None:
+    """KeyboardInterrupt where this thread is one of those side by side, and they are to end."""
+    if _this.stopped:
+        raise KeyboardInterrupt
+
+
+def side_by_side(tasks: Sequence[Callable[[], T]], workers: int, threads: int) -> list[T]:
+    """What the tasks return, in their order; they are called on so many threads, with one, or within one, on this one.
+
+    Args:
+        tasks: none may depend on another one.
+        workers: threads of Python; as much of the work as is in Python is done by one at a time.
+        threads: cores that compiled loops of all tasks together have.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C; tasks under way end after the run, or piece of runs, that they are at.
+        Exception: what the first task that failed raised.
+    """
+    workers = min(workers, threads, len(tasks))
+    if workers < 2 or _this.share is not None:
+        return [task() for task in tasks]
+    found: dict[int, T] = {}
+    stopped: list[int] = []
+
+    def some(first: int, last: int) -> None:
+        _this.share, _this.stopped = threads // workers, stopped
+        for k in range(first, last):
+            _look()
+            found[k] = tasks[k]()
+
+    usual = sys.getswitchinterval()
+    sys.setswitchinterval(TURN)
+    try:
+        over_pieces(some, [(k, k + 1) for k in range(len(tasks))], workers, lambda: stopped.append(1))
+    finally:
+        sys.setswitchinterval(usual)
+    return [found[k] for k in range(len(tasks))]
+
 
 def over_runs(work: Callable[[NDArray[np.int64], int], None], count: int, threads: int) -> None:
     """Have runs 0 to `count` done on so many threads; with one, on this one.
@@ -42,7 +103,7 @@ def over_runs(work: Callable[[NDArray[np.int64], int], None], count: int, thread
         KeyboardInterrupt: Ctrl-C; the runs under way are ended, with one thread those of a piece.
     """
     counter = np.zeros(1, dtype=np.int64)
-    threads = min(threads, -(-count // FEWEST_RUNS))
+    threads = min(threads, _this.share or threads, -(-count // FEWEST_RUNS))
     if threads > 1:
         over_pieces(
             lambda first, last: work(counter, count), [(0, count)] * threads, threads, lambda: counter.fill(count)
@@ -51,6 +112,7 @@ def over_runs(work: Callable[[NDArray[np.int64], int], None], count: int, thread
     begun, size = 0, FIRST_PIECE
     while begun < count:
         end, clock = min(begun + size, count), time.perf_counter()
+        _look()
         work(counter, end)
         counter[0] = begun = end
         took = time.perf_counter() - clock
@@ -101,6 +163,8 @@ def over_pieces(
     def wait(for_all: bool) -> None:
         look = SHORTEST_LOOK
         while len(ended) < (count if for_all else len(begun)):
+            if for_all:
+                _look()
             time.sleep(look)
             look = min(1.5 * look, LONGEST_LOOK)
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Sequence
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -27,6 +26,7 @@ from rocking.solvers.numba.functions import (
     size_of,
     system_functions,
 )
+from rocking.solvers.numba.once import once
 from rocking.solvers.recording import FELL, REACHED_END, segment_edges
 from rocking.solvers.threads import over_runs
 from rocking.trajectory import BALANCE
@@ -37,7 +37,7 @@ COLUMNS = 8
 State = tuple[tuple[float, ...], Discrete]
 
 
-@cache
+@once
 def _loop_over_runs(functions: tuple[Any, ...], kind: Any, size: Size) -> Any:
     """The loop over runs; `functions` are flow, guards, jump, balance, motion and the loop of one run."""
 

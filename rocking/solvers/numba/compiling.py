@@ -50,7 +50,10 @@ _registered: dict[FunctionType, frozenset[str]] = {}
 
 
 def make_jitable(function: Any) -> frozenset[str]:
-    """Let compiled code call a plain function and every plain function it calls; the source files of them all."""
+    """Let compiled code call a plain function and every plain function it calls; the source files of them all.
+
+    Asked by one thread at a time (`rocking.solvers.numba.once`): another one would take for done what is begun.
+    """
     if not isinstance(function, FunctionType):
         return frozenset()
     if function not in _registered:

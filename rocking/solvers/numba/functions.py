@@ -6,7 +6,6 @@ What single runs (`rocking.solvers.numba.solver`) and batches (`rocking.solvers.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 
 from rocking.hybrid import Base, Discrete, Hooks, System
 from rocking.motion import BaseMotion, pitch_kernel
+from rocking.solvers.numba.once import once
 
 
 class Size(NamedTuple):
@@ -28,7 +28,7 @@ def motion_function(motion: BaseMotion) -> Any:
     return _motion_function(motion.kernel, pitch_kernel(motion))
 
 
-@cache
+@once
 def _motion_function(kernel: Any, pitch: Any) -> Any:
     from numba import types
 
@@ -105,7 +105,7 @@ def _hook_signature(arity: int) -> Any:
     return f8(f8, f8, f8, *base, types.CPointer(f8))
 
 
-@cache
+@once
 def _hook(function: Any, arity: int) -> Any:
     from rocking.solvers.numba.compiling import bound
 
@@ -139,7 +139,7 @@ def size_of(par: Any) -> Size:
     return Size(len(par), 0) if hooks is None else Size(len(par) - 1, len(hooks.accelerations))
 
 
-@cache
+@once
 def system_functions(
     flow: Any, guards: Any, jump: Any, balance: Any, parameters: Any, n: int, size: Size, n_guards: int
 ) -> tuple[tuple[Any, ...], Any]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,6 +27,7 @@ from rocking.solvers.numba.functions import (
     size_of,
     system_functions,
 )
+from rocking.solvers.numba.once import once
 from rocking.solvers.recording import FELL, REACHED_END, segment_edges
 from rocking.solvers.threads import over_runs
 
@@ -58,7 +58,7 @@ class Samples:
     overturning_time: Array  # last outward passage of the tilt of unstable balance [s], NaN if none, shape (run,)
 
 
-@cache
+@once
 def _loop(functions: tuple[Any, ...], kind: Any, size: Size) -> Any:
     """The loop over runs; `functions` are flow, guards, jump, balance, motion and the loop of one run."""
 

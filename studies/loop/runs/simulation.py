@@ -207,7 +207,7 @@ class Answer(NamedTuple):
 
 
 class Simulator:
-    """Runs models on the tests of a campaign.
+    """Runs models on the tests of a campaign; threads may share one (`studies.loop.runs.at_once`).
 
     Args:
         tests: in the order of the indices that jobs use.
@@ -259,14 +259,15 @@ class Simulator:
         return model.in_test(self.numbers[test])
 
     def _at_samples(self, motion: BaseMotion, test: int) -> Base:
-        key = (test, id(motion))
-        if key not in self._sampled or self._sampled[key][0] is not motion:
+        known = self._sampled.get((test, id(motion)))
+        if known is None or known[0] is not motion:
             if len(self._sampled) > 40 * len(self.tests):
                 self._sampled.clear()
             time = self.tests[test].time
             there = base_at(np, motion, time, np.asarray(motion.parameters))
-            self._sampled[key] = (motion, Base(*(value + np.zeros(time.size) for value in there)))
-        return self._sampled[key][1]
+            known = motion, Base(*(value + np.zeros(time.size) for value in there))
+            self._sampled[test, id(motion)] = known
+        return known[1]
 
     def seen(self, model: LoopModel, test: int, index: NDArray[np.intp] | slice = slice(None)) -> Seen:
         """What the rotation sensor feels besides the rotation, at the samples of a test or some of them."""
@@ -299,13 +300,14 @@ class Simulator:
         if not acting:
             return motions[test]
         key = (test, acting, motions is self.driving)
-        if key not in self._altered:
+        known = self._altered.get(key)
+        if known is None:
             if len(self._altered) > 80 * len(self.tests):
                 self._altered.clear()
             # What an effect makes of a motion is compiled for its number of parameters: once for both kinds.
             size = max(each[test].parameters.size for each in (self.bases, self.driving))
-            self._altered[key] = model.base(motions[test].filled(size), self.spans[test])
-        return self._altered[key]
+            known = self._altered[key] = model.base(motions[test].filled(size), self.spans[test])
+        return known
 
     def run(self, models: Sequence[LoopModel], jobs: Sequence[Job]) -> list[Answer]:
         """The answers to the jobs, in their order.

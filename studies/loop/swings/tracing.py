@@ -15,6 +15,7 @@ import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 
 from studies.loop.fits.estimating import gains
 from studies.loop.fits.fitting import fit
@@ -22,6 +23,7 @@ from studies.loop.models.candidates import Candidate, candidates
 from studies.loop.models.model import GRAVITY, MOUNTING, RESTITUTION, LoopModel
 from studies.loop.models.parameters import Parameter
 from studies.loop.observed.windows import Window
+from studies.loop.runs.at_once import at_once
 from studies.loop.runs.simulation import Simulator
 from studies.loop.swings.lost_windows import with_lost_found
 from studies.loop.swings.trials import FURTHER_COSTLY, PAYS, E, First, Round, Trial
@@ -82,7 +84,7 @@ def baseline(simulator: Simulator, model: LoopModel, windows: Sequence[Window], 
     """
     calibrated = (E, *(mounting(name) for name in model.mountings), *([G] if gravity else []))
     starts = sorted({model.restitution, 0.85, 0.93})
-    fits = [fit(simulator, model.changed({RESTITUTION: e}), calibrated, windows) for e in starts]
+    fits = at_once([partial(fit, simulator, model.changed({RESTITUTION: e}), calibrated, windows) for e in starts])
     return Trial((), (), with_lost_found(simulator, min(fits, key=lambda f: f.chi2)), calibrated=calibrated)
 
 
@@ -227,18 +229,8 @@ def _fitted(
     leading: bool = False,
 ) -> None:  # fmt: skip
     """Add trials with one of the candidates each to the round, or why there is none."""
-    onto, firsts = found.onto, list[tuple[Candidate, First]]()
-    for candidate in candidates:
-        promises = any(c.name == candidate.after and first.gained > NOTHING * PAYS for c, first in firsts)
-        if not promises and any(c.name == candidate.after for c in candidates):
-            found.skipped[candidate.name] = found.skipped.get(candidate.after, f"{candidate.after} promises nothing")
-            continue
-        tell(candidate.name)
-        first = found.begun.get(candidate.name) or on_some(simulator, onto, candidate)
-        if isinstance(first, str):
-            found.skipped[candidate.name] = first
-        else:
-            firsts.append((candidate, first))
+    onto = found.onto
+    firsts = _begun(simulator, candidates, found, tell)
     firsts = _promising(onto, firsts, found)
     if leading and firsts:
         most = max(first.gained for _, first in firsts)
@@ -249,10 +241,41 @@ def _fitted(
         for candidate, _ in firsts[MOST_COSTLY:]:
             found.skipped[candidate.name] = f"{MOST_COSTLY} others explain more of some windows; runs take long"
         firsts = firsts[:MOST_COSTLY]
-    begun = [(candidate, on_all(simulator, onto, candidate, first)) for candidate, first in firsts]
+    fits = at_once([partial(on_all, simulator, onto, candidate, first) for candidate, first in firsts])
+    begun = [(candidate, swing) for (candidate, _), swing in zip(firsts, fits, strict=True)]
     lowest = min((t.swing.chi2 for t in found.trials), default=math.inf)
     swings = to_the_end(simulator, onto, begun, tell, lowest, HOPEFUL_TO_LEAD if leading else HOPEFUL)
     found.trials += [onto.with_(c, swing, found.scores.get(c.name, math.nan)) for c, swing in swings]
+
+
+def _begun(
+    simulator: Simulator, candidates: Sequence[Candidate], found: Round, tell: Callable[[str], None]
+) -> list[tuple[Candidate, First]]:  # fmt: skip
+    """The candidates that lead somewhere on some windows, in their order; the round is told why others do not.
+
+    What takes another form of what went before waits for that, and goes no further where that promises nothing.
+    """
+
+    def some(candidate: Candidate) -> First | str:
+        tell(candidate.name)
+        return found.begun.get(candidate.name) or on_some(simulator, found.onto, candidate)
+
+    answers = dict[str, First | str]()
+    names, waiting = {c.name for c in candidates}, list(candidates)
+    while waiting:
+        now = [c for c in waiting if c.after not in names or c.after in answers]
+        waiting = [c for c in waiting if all(c is not other for other in now)]
+        for c in now:
+            before = answers.get(c.after)
+            if isinstance(before, str):
+                answers[c.name] = before
+            elif before is not None and before.gained <= NOTHING * PAYS:
+                answers[c.name] = f"{c.after} promises nothing"
+        asked = [c for c in now if c.name not in answers]
+        found_of = at_once([partial(some, c) for c in asked])
+        answers |= {c.name: answer for c, answer in zip(asked, found_of, strict=True)}
+    found.skipped |= {name: answer for name, answer in answers.items() if isinstance(answer, str)}
+    return [(c, first) for c in candidates if isinstance(first := answers[c.name], First)]
 
 
 def _promising(onto: Trial, firsts: Sequence[tuple[Candidate, First]], found: Round) -> list[tuple[Candidate, First]]:

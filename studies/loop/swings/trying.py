@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from studies.loop.models.candidates import Candidate
 from studies.loop.models.model import LoopModel
 from studies.loop.models.parameters import Parameter
 from studies.loop.observed.windows import Window
+from studies.loop.runs.at_once import at_once
 from studies.loop.runs.simulation import Simulator
 from studies.loop.swings.lost_windows import afresh, with_lost_found
 from studies.loop.swings.trials import PAYS, First, Trial
@@ -174,18 +176,19 @@ def to_the_end(
     """
     lowest = min([first.chi2 for _, first in begun] + [before])
     near = lowest + max(hopeful * (onto.swing.chi2 - lowest), PAYS)
-    out = []
-    for candidate, first in begun:
+
+    def further(candidate: Candidate, first: Fit) -> Fit:
         if first.chi2 > near:
-            out.append((candidate, first))
-            continue
+            return first
         swing = first
         if not first.converged:
             tell(f"{candidate.name}, to the end")
-            further = fit(simulator, first.model, first.parameters, first.windows, iterations=12)
-            swing = further if further.chi2 <= first.chi2 else first
-        out.append((candidate, with_lost_found(simulator, swing)))
-    return out
+            on = fit(simulator, first.model, first.parameters, first.windows, iterations=12)
+            swing = on if on.chi2 <= first.chi2 else first
+        return with_lost_found(simulator, swing)
+
+    swings = at_once([partial(further, candidate, first) for candidate, first in begun])
+    return [(candidate, swing) for (candidate, _), swing in zip(begun, swings, strict=True)]
 
 
 def chosen_for(onto: Trial, candidate: Candidate) -> list[int]:

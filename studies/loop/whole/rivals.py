@@ -7,10 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from studies.loop.fits.fitting import Fit, fit
 from studies.loop.records.preparing import Setup
 from studies.loop.records.scoring import errors
+from studies.loop.runs.at_once import at_once
 from studies.loop.swings.trials import FURTHER_COSTLY, Round, Trial, bic
 from studies.loop.whole.whole_fits import whole_fit, whole_fit_from_many
 
@@ -54,29 +56,29 @@ def near_all(setup: Setup, rounds: Sequence[Round], best: Trial, whole: Fit) -> 
 
 def near(setup: Setup, tried: Round, best: Trial, whole: Fit) -> tuple[Rival, ...]:
     """The chosen trial and those of its round that come near, each fitted to the end; the best first."""
-    found = []
     explained = bic(tried.onto.swing) - bic(best.swing)
     enough = min(NEAR_TWIN, max(SOME_TWINS * TWIN, LEFT_BY_A_RIVAL * explained))
-    for trial in sorted(tried.trials, key=lambda t: bic(t.swing)):
-        if trial is not best and bic(trial.swing) - bic(best.swing) > enough:
-            continue
+
+    def ended(trial: Trial) -> Rival:
         if trial is best and trial.costly:
             # The search went to the end with it, and its fit on whole records is there.
             held = errors(setup, whole.model, whole.windows).holdout
-            found.append(Rival(trial, whole, bic(trial.swing), bic(whole), held))
-            continue
+            return Rival(trial, whole, bic(trial.swing), bic(whole), held)
         iterations, tolerance = (FURTHER_COSTLY, 1e-4) if trial.costly else (20, 1e-6)
-        ended = fit(
+        swing = fit(
             setup.simulator, trial.swing.model, trial.every, trial.swing.windows, iterations=iterations,
             tolerance=tolerance,
         )  # fmt: skip
-        settled = replace(trial, swing=ended if ended.chi2 <= trial.swing.chi2 else trial.swing)
+        settled = replace(trial, swing=swing if swing.chi2 <= trial.swing.chi2 else trial.swing)
         own = whole_fit(setup, settled, whole)
         if trial is best and whole.chi2 < own.chi2:  # it may have been found from another start
             own = whole
         held = errors(setup, own.model, own.windows).holdout
-        found.append(Rival(settled, own, bic(settled.swing), bic(own), held))
-    return tuple(sorted(found, key=lambda r: r.criterion))
+        return Rival(settled, own, bic(settled.swing), bic(own), held)
+
+    ranked = sorted(tried.trials, key=lambda t: bic(t.swing))
+    close = [t for t in ranked if t is best or bic(t.swing) - bic(best.swing) <= enough]
+    return tuple(sorted(at_once([partial(ended, trial) for trial in close]), key=lambda r: r.criterion))
 
 
 def twins_from_many(setup: Setup, rivals: Sequence[Rival], weights_of: Fit) -> tuple[Rival, ...]:

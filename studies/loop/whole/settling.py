@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from studies.loop.models.model import LoopModel
 from studies.loop.models.parameters import Parameter
 from studies.loop.observed.windows import Window
 from studies.loop.records.preparing import Setup
+from studies.loop.runs.at_once import at_once
 from studies.loop.swings.learning import LEARNED
 from studies.loop.swings.trials import FURTHER_COSTLY, PAYS, Trial
 from studies.loop.whole.floors_that_give import one_minimum
@@ -219,7 +221,7 @@ def _while_predictable(setup: Setup, trial: Trial, whole: Fit) -> list[Fit]:
 
     The fits begin at either estimate and about that of the swings, since the sum of squares may have many minima.
     """
-    windows, fits = predictable(whole.windows), []
+    windows = predictable(whole.windows)
     if not windows:
         return []
     # Where a run takes long, either estimate alone is a start.
@@ -232,17 +234,19 @@ def _while_predictable(setup: Setup, trial: Trial, whole: Fit) -> list[Fit]:
     starts = [whole.model, trial.swing.model, *about]
     if trial.costly and one_minimum(trial, trial.swing.model, whole.model):
         starts = starts[:1]
-    for model in starts:
+
+    def begun(model: LoopModel) -> Fit:
         leans = fit_records(setup.simulator, model, [], windows, iterations=4)
         if trial.costly and model is trial.swing.model:
-            fits.append(drawn_out(setup, trial, leans))
-            continue
-        fits.append(fit(setup.simulator, model, trial.every, leans.windows, whole=True, iterations=4, central=True))
-    fits.sort(key=lambda f: f.chi2)
-    best = [
-        fit_records(setup.simulator, f.model, trial.every, f.windows, iterations=12, again=not trial.costly)
-        for f in fits[:ended]
-    ]  # fmt: skip
+            return drawn_out(setup, trial, leans)
+        return fit(setup.simulator, model, trial.every, leans.windows, whole=True, iterations=4, central=True)
+
+    def to_the_end(found: Fit) -> Fit:
+        again = not trial.costly
+        return fit_records(setup.simulator, found.model, trial.every, found.windows, iterations=12, again=again)
+
+    fits = sorted(at_once([partial(begun, model) for model in starts]), key=lambda f: f.chi2)
+    best = at_once([partial(to_the_end, f) for f in fits[:ended]])
     return sorted([*best, *fits[ended:]], key=lambda f: f.chi2)
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ from studies.loop.models.parameters import Parameter
 from studies.loop.observed.spread import variances, weighed
 from studies.loop.observed.windows import Window
 from studies.loop.records.preparing import Setup
+from studies.loop.runs.at_once import at_once
 from studies.loop.swings.learning import bends_much
 from studies.loop.swings.trials import Trial
 from studies.loop.whole.remaining import over_noise, roughly_begun, slips, structure
@@ -70,15 +72,15 @@ def whole_fit_from_many(setup: Setup, trial: Trial, weights_of: Fit, effects: Co
 
     effects: those that are moved about; all if not given.
     """
-    found = [whole_fit(setup, trial, weights_of)]
     if trial.costly:
-        return found[0]
+        return whole_fit(setup, trial, weights_of)
+    starts = [trial]
     sure = sensor_covariance(setup.simulator, trial.swing)
     moved = (p for p in trial.parts if p.in_swings and (effects is None or p.effect in effects))
     for part in moved:
         for model in neighbours(trial.swing, sure, part.parameters[0], FEW_NEIGHBOURS):
-            there = replace(trial, swing=replace(trial.swing, model=model))
-            found.append(whole_fit(setup, there, weights_of))
+            starts.append(replace(trial, swing=replace(trial.swing, model=model)))
+    found = at_once([partial(whole_fit, setup, start, weights_of) for start in starts])
     return min(found, key=lambda f: f.chi2)
 
 

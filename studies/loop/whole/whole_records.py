@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ from studies.loop.models.model import DRIFT, FADING, LoopModel
 from studies.loop.models.parameters import Parameter
 from studies.loop.records.preparing import Setup
 from studies.loop.records.scoring import errors
+from studies.loop.runs.at_once import at_once
 from studies.loop.swings.trials import PAYS, Round, Trial, bic
 from studies.loop.whole.remaining import CLOSELY, LEAST_SPEED, remembers
 from studies.loop.whole.rivals import TWIN, Rival
@@ -268,8 +270,11 @@ def _scanned(setup: Setup, whole: Fit, without: Fit, candidate: Candidate) -> tu
         # The logarithm, as in a likelihood: what explains a record by making it unpredictable has to pay for it.
         return found.chi2 - 2.0 * sum(float(np.sum(np.log(w.weights * w.noise))) for w in windows), found
 
-    likely = _likely(setup, whole, without, candidate)
-    found = [(*f, v) for v in likely if (f := at(v)) is not None]
+    def each(values: Sequence[Mapping[str, float]]) -> list[tuple[float, Fit, Mapping[str, float]]]:
+        answers = at_once([partial(at, v) for v in values])
+        return [(*answer, v) for v, answer in zip(values, answers, strict=True) if answer is not None]
+
+    found = each(_likely(setup, whole, without, candidate))
     if not found:
         return None
     k = min(range(len(found)), key=lambda i: found[i][0])
@@ -278,7 +283,7 @@ def _scanned(setup: Setup, whole: Fit, without: Fit, candidate: Candidate) -> tu
         {name: value + share * (candidate.scanned[j][name] - value) for name, value in found[k][2].items()}
         for j in (at_best - 1, at_best + 1) if 0 <= j < len(candidate.scanned) for share in (0.25, 0.5, 0.75)
     ]  # fmt: skip
-    found += [(*f, v) for v in between if (f := at(v)) is not None]
+    found += each(between)
     again = at(min(found, key=lambda f: f[0])[2], None)
     if again is None:
         return None
@@ -293,14 +298,17 @@ def _likely(setup: Setup, whole: Fit, without: Fit, candidate: Candidate) -> lis
     One run of each record says enough to leave out most.  Near means by the sum of log(1 + r^2), since what is lost of
     a record is lost, however far off it goes.
     """
-    near: dict[int, float] = {}
-    for k, values in enumerate(candidate.scanned):
+
+    def off(values: Mapping[str, float]) -> float:
         try:
             model = without.model.changed({**candidate.fixed, **values})
             found = fit(setup.simulator, model, [], whole.windows, whole=True, iterations=0)
         except ValueError:
-            continue  # it does not go together with what is there already
-        near[k] = sum(float(np.sum(np.log1p(r * r))) for r in found.residuals)
+            return math.inf  # it does not go together with what is there already
+        return sum(float(np.sum(np.log1p(r * r))) for r in found.residuals)
+
+    each = at_once([partial(off, values) for values in candidate.scanned])
+    near = {k: value for k, value in enumerate(each) if value < math.inf}
     kept = sorted(near, key=near.__getitem__)[: math.ceil(LIKELY * len(candidate.scanned))]
     return [candidate.scanned[k] for k in sorted(kept)]
 
@@ -371,9 +379,12 @@ def hinted(
         if not trial.costly:
             sure = sensor_covariance(setup.simulator, trial.swing)
             models = neighbours(trial.swing, sure, trial.parts[-1].parameters[0], STARTS)
-        begun = [
-            fit(setup.simulator, model, trial.every, some, whole=True, iterations=4, central=True) for model in models
-        ]
+        begun = at_once(
+            [
+                partial(fit, setup.simulator, model, trial.every, some, whole=True, iterations=4, central=True)
+                for model in models
+            ]
+        )
         if not begun:
             continue
         nearest, states = min(begun, key=lambda f: f.chi2), list(windows)
