@@ -84,8 +84,8 @@ def side_by_side(tasks: Sequence[Callable[[], T]], workers: int, threads: int) -
             found[k] = tasks[k]()
 
     usual = sys.getswitchinterval()
-    sys.setswitchinterval(TURN)
     try:
+        sys.setswitchinterval(TURN)
         over_pieces(some, [(k, k + 1) for k in range(len(tasks))], workers, lambda: stopped.append(1))
     finally:
         sys.setswitchinterval(usual)

@@ -271,6 +271,24 @@ def work():
     assert not helping, "a piece of an interrupted call is still under way"
     over_pieces(piece, [(i, i + 1) for i in range(40)], 4)
 """
+SIDE_BY_SIDE = """
+import sys
+from rocking.solvers.threads import over_runs, side_by_side
+
+under_way = []
+def task():
+    under_way.append(1)
+    try:
+        for _ in range(20):
+            over_runs(lambda counter, end: np.linalg.norm(np.ones(2000)), 8, 4)
+    finally:
+        under_way.pop()
+
+def work():
+    assert not under_way, "a task of an interrupted call is still under way"
+    assert sys.getswitchinterval() > 1e-3, "threads still take turns as if they were side by side"
+    side_by_side([task] * 6, 2, 4)
+"""
 IN_AN_ASSEMBLY = """
 from dem import assembly_step, assembly_threads
 
@@ -288,7 +306,14 @@ def work():
 """
 
 
-@pytest.mark.parametrize("use", [pytest.param(IN_PIECES, id="pieces"), pytest.param(IN_AN_ASSEMBLY, id="assembly")])
+@pytest.mark.parametrize(
+    "use",
+    [
+        pytest.param(IN_PIECES, id="pieces"),
+        pytest.param(SIDE_BY_SIDE, id="side by side"),
+        pytest.param(IN_AN_ASSEMBLY, id="assembly"),
+    ],
+)
 def test_threads_end_wherever_the_interrupt_comes(use):
     """In a pool of the library pieces went on, or workers waited for one that had never begun."""
     code = AT_RANDOM_TIMES.format(use=use, tries=3000)
