@@ -275,7 +275,7 @@ def _begun(
         found_of = at_once([partial(some, c) for c in asked])
         answers |= {c.name: answer for c, answer in zip(asked, found_of, strict=True)}
     found.skipped |= {name: answer for name, answer in answers.items() if isinstance(answer, str)}
-    return [(c, first) for c in candidates if isinstance(first := answers[c.name], First)]
+    return [(c, first) for c in candidates if not isinstance(first := answers[c.name], str)]
 
 
 def _promising(onto: Trial, firsts: Sequence[tuple[Candidate, First]], found: Round) -> list[tuple[Candidate, First]]:
