@@ -38,7 +38,7 @@ class BaseTilt(Effect):
     name: ClassVar[str] = "base_tilt"
     units: ClassVar[dict[str, str]] = {"angle": "rad"}
     ranges: ClassVar[dict[str, tuple[float, float]]] = {"angle": (-0.5 * math.pi, 0.5 * math.pi)}
-    rank: ClassVar[int] = 4
+    rank: ClassVar[int] = 5  # it turns whatever the base does, and a push
 
     def base_motion(self, motion: BaseMotion, span: tuple[float, float], g: float) -> BaseMotion:
         """The motion in the axes of the tilted floor."""

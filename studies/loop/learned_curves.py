@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from rocking.effects.learned_curve import EVEN, ODD, curve, numbers
 from rocking.effects.learned_damping import DAMPING
 from rocking.effects.learned_friction import FRICTION
+from rocking.effects.learned_push import PUSHES, LearnedPush
 from rocking.effects.learned_reading import MARKS, LearnedReading
 from studies.loop.learned_in_time import (
     amplification,
@@ -38,6 +39,7 @@ from studies.loop.swings.learning import (
     LOSS,
     MEMORY,
     MODE,
+    PUSH,
     READING,
     RESPONSE,
     RUBBING,
@@ -168,6 +170,8 @@ def curves(setup: Setup, settled: Settled) -> tuple[Curve, ...]:
         found.append(
             _linear(part, part.functions, held, settled, np.linspace(-1.0, 1.0, 2 * POINTS) * _reach(setup, "rotation"))
         )
+    if any(name.startswith(f"{PUSH}.") for name in held):
+        found.append(_pushed(setup, settled, held))
     found += [_decay(setup, settled, held, depth, span) for depth, span in MEMORIES if f"{MEMORY}.{depth}" in held]
     if f"{MEMORY}.worn" in held:
         found.append(_worn(setup, settled, held))
@@ -315,6 +319,20 @@ def _splines(settled: Settled) -> list[_Part]:
             )
         )
     return found
+
+
+def _pushed(setup: Setup, settled: Settled, held: Mapping[str, int]) -> Curve:
+    """What pushes at the same times of every test."""
+    interval = settled.whole.model.get(f"{PUSH}.interval")
+    own = [name for name in PUSHES if f"{PUSH}.{name}" in held]
+    ones = {name: LearnedPush(interval=interval, **{name: 1.0}) for name in own}
+    functions = {f"{PUSH}.{name}": lambda x, one=one: one.course(x) for name, one in ones.items()}
+    part = _Part(
+        "Push at the same times of every test",
+        "A force on the whole block to -x over its mass, as much as an acceleration of the base to +x.",
+        "time since the test began [s]", "acceleration [m/s²]", functions, PUSH,
+    )  # fmt: skip
+    return _linear(part, functions, held, settled, np.linspace(0.0, _reach(setup, "time"), 4 * POINTS))
 
 
 def _spline(kind: str, of_it: tuple[float, ...]) -> Callable[[Array], Array]:

@@ -5,8 +5,8 @@ Each coefficient of `rocking.effects.learned_term`, a drift of restitution from 
 restitution with a memory of `rocking.effects.learned_memory`, what is off in a rotation sensor of
 `rocking.effects.learned_reading` and its clock of `rocking.effects.learned_timing`, the plate of
 `rocking.effects.learned_base`, what a base sensor loses of
-`rocking.effects.learned_coupling`, the mass inside of `rocking.effects.learned_mode` and the torque that lags of
-`rocking.effects.learned_hysteresis` are parameters whose default is nothing, fitted with the same machinery as the
+`rocking.effects.learned_coupling`, the mass inside of `rocking.effects.learned_mode`, the torque that lags of
+`rocking.effects.learned_hysteresis` and what pushes at the same times (`studies.loop.swings.pushing`) are parameters whose default is nothing, fitted with the same machinery as the
 effects; so are changes of effects with a name in the course of a campaign (`studies.loop.swings.changing`).
 The greedy search stops when the next one does not lower the residual by `LEAST_GAIN`, nor most of what is
 over the noise.
@@ -36,6 +36,7 @@ from studies.loop.models.parameters import Parameter
 from studies.loop.observed.windows import SIDE, Window
 from studies.loop.runs.simulation import Simulator
 from studies.loop.swings.changing import changing
+from studies.loop.swings.pushing import pushing
 from studies.loop.swings.tracing import search
 from studies.loop.swings.trials import PAYS, Trial, bic, pays
 from studies.loop.swings.trying import SOME, every_so_many, ranked_by_score
@@ -71,9 +72,10 @@ LITTLE = 0.2
 HOPELESS = 1
 """Coefficients after which half of what is to be reached has to be."""
 
-TERM, CURVE, LOSS, RUBBING, MEMORY, READING, TIMING, RESPONSE, BASE, COUPLING, MODE, HYSTERESIS = _EFFECTS = (
+TERM, CURVE, LOSS, RUBBING, MEMORY, READING, TIMING, RESPONSE, BASE, COUPLING, MODE, HYSTERESIS, PUSH = _EFFECTS = (
     "learned_term", "learned_curve", "learned_damping", "learned_friction", "learned_memory", "learned_reading",
     "learned_timing", "learned_response", "learned_base", "learned_coupling", "learned_mode", "learned_hysteresis",
+    "learned_push",
 )  # fmt: skip
 LEARNED = (*_EFFECTS, CHANGE)
 """Effects that say how a residual looks and not what it comes from."""
@@ -184,11 +186,12 @@ def unnamed(block: DeclaredBlock) -> list[Candidate]:
 
 
 def by_itself(simulator: Simulator, onto: Trial) -> list[Candidate]:
-    """What has no name, is said by a number or two, and may be all that acts."""
+    """What has no name, is said by a number or two, or acts now and then alone, and may be all that acts."""
     declared, windows = onto.swing.model.declared, onto.swing.windows
     few = [c for c in readings(declared, windows) if len(c.parameters) == 1]
     between_them = *between(simulator, windows), *resonating(simulator, onto), *_changes(simulator, onto)
-    return [*unnamed(declared), *few, *answering(windows), *memories(declared, windows), *between_them]
+    pushes = pushing(simulator, onto)
+    return [*unnamed(declared), *few, *answering(windows), *memories(declared, windows), *between_them, *pushes]
 
 
 def _changes(simulator: Simulator, onto: Trial) -> list[Candidate]:
@@ -471,7 +474,7 @@ def _at_hand(simulator: Simulator, onto: Trial) -> tuple[Candidate, ...]:
     declared, windows = onto.swing.model.declared, onto.swing.windows
     forms = (c for form in (readings, profiles, memories) for c in form(declared, windows))
     between_them = *between(simulator, windows), *resonating(simulator, onto), *_changes(simulator, onto)
-    return (*terms(declared), *forms, *answering(windows), *between_them)
+    return (*terms(declared), *forms, *answering(windows), *between_them, *pushing(simulator, onto))
 
 
 def alike(simulator: Simulator, without: Trial, found: Trial, tell: Callable[[str], None]) -> list[Trial]:

@@ -1,0 +1,188 @@
+"""What pushes the block at the same times of every test: a fan that is switched on, a drive that kicks.
+
+A push of any shape has a coefficient for each short interval of a test.  Each acts on the swings of that time alone, so
+that one linearisation says what all of them explain together, and those of longer intervals, which are sums of them; the
+few that explain most for their number are fitted like anything else.  Any effect that a model lacks repeats itself where tests do, at the same times then: what the others say of a test
+has to explain that one.
+
+Source   forward selection: Miller (2002), Subset Selection in Regression, ch. 3; B-splines as sums of finer ones: de
+         Boor, A practical guide to splines (1978); tests left out in turn: Stone (1974), J. R. Stat. Soc. B 36, 111-147.
+Status   gusts of a laboratory's fan are found, and none in campaigns where something else acts (tests)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocking import G_STANDARD
+from rocking.effects.learned_push import MOST, PUSHES, LearnedPush
+from studies.loop.fits.linearising import HUBER, Linear, Prior, linearised, reduced, weights_of
+from studies.loop.models.candidates import Candidate
+from studies.loop.models.model import LoopModel
+from studies.loop.models.parameters import Parameter
+from studies.loop.observed.observing import jobs_of, observe
+from studies.loop.observed.windows import Window
+from studies.loop.runs.simulation import Simulator
+from studies.loop.swings.trials import PAYS, Trial
+
+Array = NDArray[np.float64]
+
+PUSH = LearnedPush.name
+
+SHORTEST = 0.2
+"""Interval over 1/p: a shorter push than that moves a block by its sum alone."""
+
+HALVINGS = 3
+"""How often the longest interval is halved that is tried."""
+
+FEWEST_TESTS = 4
+"""Tests below which what is the same in all of them says little."""
+
+MOST_PUSHES = 40
+"""Coefficients that are fitted at the most."""
+
+ENOUGH = 0.97
+"""Share of what all coefficients explain that is enough for those that are fitted."""
+
+CARRIED_OVER = 0.8
+"""Share of what is explained that has to be explained by what other tests say."""
+
+
+def pushing(simulator: Simulator, onto: Trial) -> tuple[Candidate, ...]:
+    """A push at the times that explain most on top of a trial; none where other tests than a test say little of it.
+
+    Not where accelerometers are read, which would feel a force otherwise than what the base does, nor where runs take
+    long.
+    """
+    swing, declared = onto.swing, onto.swing.model.declared
+    tests = sorted({w.test for w in swing.windows})
+    if onto.costly or len(tests) < FEWEST_TESTS or any(w.accelerometers for w in swing.windows):
+        return ()
+    longest = max(simulator.spans[test][1] - simulator.spans[test][0] for test in tests)
+    interval = max(longest / (MOST - 3), SHORTEST / declared.p())
+    size = 0.02 * G_STANDARD * declared.alpha
+    every = [Parameter(f"{PUSH}.{name}", size, -50.0 * size, 50.0 * size) for name in PUSHES]
+    every = every[: min(MOST, math.ceil(longest / interval) + 2)]
+    fixed = {f"{PUSH}.interval": interval}
+    slopes = _slopes(simulator, swing.model.changed(fixed), every, swing.windows, interval)
+    matrices, gradients = _of_each_test(simulator, onto, slopes, tests)
+    best: tuple[float, list[int], float] | None = None
+    price, spread = math.log(max(swing.samples, 2)), max(1.0, swing.chi2 / max(swing.samples, 1))
+    for halving in range(HALVINGS + 1):
+        sums = _sums(len(every), halving)
+        coarser, by = sums.T @ matrices @ sums, gradients @ sums
+        chosen, gained = _chosen(coarser.sum(axis=0), by.sum(axis=0))
+        pays = gained > PAYS * spread and _carries_over(coarser, by, chosen)
+        if pays and (best is None or gained - price * len(chosen) > best[0]):
+            best = gained - price * len(chosen), chosen, interval * 2**halving
+    if best is None:
+        return ()
+    _, chosen, interval = best
+    own, fixed = tuple(every[j] for j in chosen), {f"{PUSH}.interval": interval}
+    return (Candidate("learned[push at the same times]", PUSH, own, (), fixed),)
+
+
+def _sums(count: int, halving: int) -> Array:
+    """Of so many coefficients those that make up each one of intervals that are 2^halving times as long.
+
+    Returns:
+        Shape (coefficient, one of the longer intervals).
+    """
+    sums = np.eye(count)
+    for _ in range(halving):
+        shares = np.zeros((sums.shape[1], -(-sums.shape[1] // 2)))
+        for j in range(shares.shape[1]):
+            for k, share in enumerate((1.0, 4.0, 6.0, 4.0, 1.0), start=2 * j - 2):
+                if 0 <= k < len(shares):
+                    shares[k, j] = share / 8.0
+        sums = sums @ shares
+    return sums
+
+
+def _slopes(
+    simulator: Simulator, model: LoopModel, every: Sequence[Parameter], windows: Sequence[Window], interval: float
+) -> list[Array]:
+    """Derivatives by all coefficients, by window, shape (sample, coefficient); runs are those in which one acts."""
+    step = 2e-4
+    models, jobs, there, places = [model.changed({p.name: 0.0 for p in every})], [], [], []
+    since = [
+        (w.start - simulator.spans[w.test][0], float(w.times[-1]) - simulator.spans[w.test][0]) for w in windows
+    ]  # fmt: skip
+    jobs += jobs_of(windows, 0)
+    there += windows
+    for j, p in enumerate(every):
+        models.append(model.changed({p.name: step * p.scale}))
+        felt = [i for i, (first, last) in enumerate(since) if last > (j - 2) * interval and first < (j + 2) * interval]
+        jobs += jobs_of([windows[i] for i in felt], j + 1)
+        there += [windows[i] for i in felt]
+        places += [(i, j) for i in felt]
+    read = observe(simulator, models, jobs, there)
+    out = [np.zeros((w.data.size, len(every))) for w in windows]
+    for (i, j), moved in zip(places, read[len(windows) :], strict=True):
+        apart = (read[i] - moved) * windows[i].weights / step
+        out[i][:, j] = np.where(np.isfinite(apart), apart, 0.0)
+    return out
+
+
+def _of_each_test(
+    simulator: Simulator, onto: Trial, slopes: Sequence[Array], tests: Sequence[int]
+) -> tuple[Array, Array]:
+    """Normal equations of the coefficients, by test, shapes (test, coefficient, coefficient) and (test, coefficient).
+
+    The states, and what is fitted already, are projected off; the latter by what all tests say of it.
+    """
+    swing, k, n = onto.swing, len(onto.swing.parameters), slopes[0].shape[1]
+    plain = linearised(simulator, swing.model, swing.parameters, swing.windows)
+    weights = weights_of(swing.residuals, HUBER, False)
+    both = [np.hstack(pair) for pair in zip(plain.by_parameters, slopes, strict=True)]
+    priors = [
+        p and Prior(p.residual, np.append(p.by_parameters, np.zeros(n)), p.by_theta) for p in plain.priors
+    ]  # fmt: skip
+    linear = Linear(plain.residuals, both, plain.by_state, priors)
+    matrix, _, each = reduced(linear, swing.windows, weights)
+    absorbed = np.linalg.pinv(matrix[:k, :k]) @ matrix[:k, k:] if k else np.zeros((0, n))
+    matrices, gradients = np.zeros((len(tests), n, n)), np.zeros((len(tests), n))
+    for part, w, weight in zip(each, swing.windows, weights, strict=True):
+        A = part.A[:, k:] - part.A[:, :k] @ absorbed
+        at = tests.index(w.test)
+        matrices[at] += weight * (A.T @ A)
+        gradients[at] -= weight * (A.T @ part.r)
+    return matrices, gradients
+
+
+def _gain(matrix: Array, gradient: Array) -> float:
+    """By how much chi-square falls."""
+    return float(gradient @ np.linalg.pinv(matrix, rcond=1e-8, hermitian=True) @ gradient)
+
+
+def _chosen(matrix: Array, gradient: Array) -> tuple[list[int], float]:
+    """Few coefficients that explain nearly what all of them do, one after the other, and by how much chi-square falls."""
+    shown = np.flatnonzero(np.diag(matrix) > 1e-6 * np.max(np.diag(matrix), initial=0.0))
+    most = _gain(matrix[np.ix_(shown, shown)], gradient[shown])
+    chosen: list[int] = []
+    gained = 0.0
+    while len(chosen) < MOST_PUSHES and gained < ENOUGH * most:
+        others = [int(j) for j in shown if j not in chosen]
+        each = [_gain(matrix[np.ix_(c, c)], gradient[c]) for c in ([*chosen, j] for j in others)]
+        k = int(np.argmax(each)) if each else 0
+        if not each or each[k] - gained < PAYS:
+            break
+        chosen.append(others[k])
+        gained = each[k]
+    return sorted(chosen), gained
+
+
+def _carries_over(matrices: Array, gradients: Array, chosen: Sequence[int]) -> bool:
+    """Whether what the other tests say of a push explains a test, of all tests together."""
+    at = np.ix_(chosen, chosen)
+    own, g = np.array([m[at] for m in matrices]), gradients[:, chosen]
+    all_of_them = _gain(own.sum(axis=0), g.sum(axis=0))
+    explained = 0.0
+    for t in range(len(own)):
+        others = np.linalg.pinv(own.sum(axis=0) - own[t], rcond=1e-8, hermitian=True) @ (g.sum(axis=0) - g[t])
+        explained += float(2.0 * g[t] @ others - others @ own[t] @ others)
+    return explained > CARRIED_OVER * all_of_them
