@@ -1,16 +1,16 @@
 """Learned push: a force that depends on nothing but the time, where no effect with a name explains a measurement.
 
-Adds        a_x += c(t): what pushes the whole block to -x with c times its mass is an acceleration of the base to +x; c is
-            a cubic spline over equal intervals from the beginning of the run on, zero after the last of them
+Adds        a_x += c(t): what pushes the whole block to -x with c times its mass is an acceleration of the base to +x;
+            c is a cubic spline over equal intervals from the beginning of the run on, zero after the last of them
 Parameters  interval, between knots [s]; push_0 ..., up to `MOST`, coefficients of c [m/s^2]: those of B-splines whose
             middles are that many intervals after the beginning; 0 where absent
 Use when    something acts at the same times of every test: a fan that is switched on, a drive that kicks before the
             motion begins, a machine next door that runs through its cycle
 Limits      the force goes through the centre of mass; a sensor on the block would feel a force as one, and not as what
             the base does; what is shorter than an interval is smeared over it
-Source      B-splines: de Boor, A practical guide to splines (1978); a force on the whole of a body as an acceleration of
-            its base: d'Alembert
-Status      against SciPy's B-splines, a tilted gravity by hand, and the absent value (tests)
+Source      B-splines: de Boor, A practical guide to splines (1978); a force on the whole of a body as an acceleration
+            of its base: d'Alembert
+Status      against SciPy's B-splines, a block that is pushed by a motion of its base, and the absent value (tests)
 """
 
 from __future__ import annotations

@@ -6,8 +6,9 @@ restitution with a memory of `rocking.effects.learned_memory`, what is off in a 
 `rocking.effects.learned_reading` and its clock of `rocking.effects.learned_timing`, the plate of
 `rocking.effects.learned_base`, what a base sensor loses of
 `rocking.effects.learned_coupling`, the mass inside of `rocking.effects.learned_mode`, the torque that lags of
-`rocking.effects.learned_hysteresis` and what pushes at the same times (`studies.loop.swings.pushing`) are parameters whose default is nothing, fitted with the same machinery as the
-effects; so are changes of effects with a name in the course of a campaign (`studies.loop.swings.changing`).
+`rocking.effects.learned_hysteresis` and what pushes at the same times of every test (`studies.loop.swings.pushing`)
+are parameters whose default is nothing, fitted with the same machinery as the effects; so are changes of effects with a
+name in the course of a campaign (`studies.loop.swings.changing`).
 The greedy search stops when the next one does not lower the residual by `LEAST_GAIN`, nor most of what is
 over the noise.
 

@@ -1,12 +1,13 @@
 """What pushes the block at the same times of every test: a fan that is switched on, a drive that kicks.
 
-A push of any shape has a coefficient for each short interval of a test.  Each acts on the swings of that time alone, so
-that one linearisation says what all of them explain together, and those of longer intervals, which are sums of them; the
-few that explain most for their number are fitted like anything else.  Any effect that a model lacks repeats itself where tests do, at the same times then: what the others say of a test
-has to explain that one.
+A push of any shape has a coefficient for each short interval of a test.  Each acts on the swings of that time alone,
+so that one linearisation says what all of them explain together, and those of longer intervals, which are sums of
+them; the few that explain most for their number are fitted like anything else.  Any effect that a model lacks repeats
+itself where tests do, at the same times then: what the others say of a test has to explain that one.
 
-Source   forward selection: Miller (2002), Subset Selection in Regression, ch. 3; B-splines as sums of finer ones: de
-         Boor, A practical guide to splines (1978); tests left out in turn: Stone (1974), J. R. Stat. Soc. B 36, 111-147.
+Source   forward selection: Miller (2002), Subset Selection in Regression, ch. 3; length of intervals: Akaike (1974),
+         IEEE Trans. Autom. Control 19, 716-723; B-splines as sums of finer ones: de Boor, A practical guide to splines
+         (1978); tests left out in turn: Stone (1974), J. R. Stat. Soc. B 36, 111-147.
 Status   gusts of a laboratory's fan are found, and none in campaigns where something else acts (tests)
 """
 
@@ -20,7 +21,7 @@ from numpy.typing import NDArray
 
 from rocking import G_STANDARD
 from rocking.effects.learned_push import MOST, PUSHES, LearnedPush
-from studies.loop.fits.linearising import HUBER, Linear, Prior, linearised, reduced, weights_of
+from studies.loop.fits.linearising import HUBER, STEP, Linear, Prior, linearised, reduced, weights_of
 from studies.loop.models.candidates import Candidate
 from studies.loop.models.model import LoopModel
 from studies.loop.models.parameters import Parameter
@@ -42,11 +43,8 @@ HALVINGS = 3
 FEWEST_TESTS = 4
 """Tests below which what is the same in all of them says little."""
 
-MOST_PUSHES = 40
+MOST_PUSHES = 60
 """Coefficients that are fitted at the most."""
-
-ENOUGH = 0.97
-"""Share of what all coefficients explain that is enough for those that are fitted."""
 
 CARRIED_OVER = 0.8
 """Share of what is explained that has to be explained by what other tests say."""
@@ -75,10 +73,12 @@ def pushing(simulator: Simulator, onto: Trial) -> tuple[Candidate, ...]:
     for halving in range(HALVINGS + 1):
         sums = _sums(len(every), halving)
         coarser, by = sums.T @ matrices @ sums, gradients @ sums
-        chosen, gained = _chosen(coarser.sum(axis=0), by.sum(axis=0))
+        chosen, gained = _chosen(coarser.sum(axis=0), by.sum(axis=0), price)
         pays = gained > PAYS * spread and _carries_over(coarser, by, chosen)
-        if pays and (best is None or gained - price * len(chosen) > best[0]):
-            best = gained - price * len(chosen), chosen, interval * 2**halving
+        # Of how long intervals are Akaike's criterion asks: whole records predict by them, and bear no coarse shape.
+        worth = gained - 2.0 * len(chosen)
+        if pays and (best is None or worth > best[0]):
+            best = worth, chosen, interval * 2**halving
     if best is None:
         return ()
     _, chosen, interval = best
@@ -107,15 +107,12 @@ def _slopes(
     simulator: Simulator, model: LoopModel, every: Sequence[Parameter], windows: Sequence[Window], interval: float
 ) -> list[Array]:
     """Derivatives by all coefficients, by window, shape (sample, coefficient); runs are those in which one acts."""
-    step = 2e-4
-    models, jobs, there, places = [model.changed({p.name: 0.0 for p in every})], [], [], []
-    since = [
-        (w.start - simulator.spans[w.test][0], float(w.times[-1]) - simulator.spans[w.test][0]) for w in windows
-    ]  # fmt: skip
-    jobs += jobs_of(windows, 0)
-    there += windows
+    models, jobs = [model.changed({p.name: 0.0 for p in every})], jobs_of(windows, 0)
+    there, places = [*windows], list[tuple[int, int]]()
+    begun = [simulator.spans[w.test][0] for w in windows]
+    since = [(w.start - t, float(w.times[-1]) - t) for w, t in zip(windows, begun, strict=True)]
     for j, p in enumerate(every):
-        models.append(model.changed({p.name: step * p.scale}))
+        models.append(model.changed({p.name: STEP * p.scale}))
         felt = [i for i, (first, last) in enumerate(since) if last > (j - 2) * interval and first < (j + 2) * interval]
         jobs += jobs_of([windows[i] for i in felt], j + 1)
         there += [windows[i] for i in felt]
@@ -123,7 +120,7 @@ def _slopes(
     read = observe(simulator, models, jobs, there)
     out = [np.zeros((w.data.size, len(every))) for w in windows]
     for (i, j), moved in zip(places, read[len(windows) :], strict=True):
-        apart = (read[i] - moved) * windows[i].weights / step
+        apart = (read[i] - moved) * windows[i].weights / STEP
         out[i][:, j] = np.where(np.isfinite(apart), apart, 0.0)
     return out
 
@@ -159,21 +156,25 @@ def _gain(matrix: Array, gradient: Array) -> float:
     return float(gradient @ np.linalg.pinv(matrix, rcond=1e-8, hermitian=True) @ gradient)
 
 
-def _chosen(matrix: Array, gradient: Array) -> tuple[list[int], float]:
-    """Few coefficients that explain nearly what all of them do, one after the other, and by how much chi-square falls."""
-    shown = np.flatnonzero(np.diag(matrix) > 1e-6 * np.max(np.diag(matrix), initial=0.0))
-    most = _gain(matrix[np.ix_(shown, shown)], gradient[shown])
+def _chosen(matrix: Array, gradient: Array, price: float) -> tuple[list[int], float]:
+    """Coefficients that are worth their price, chosen one after the other, with those beside them; what chi-square
+    falls by.
+
+    A push is not over at once: whole records show what a swing does not of how it begins and ends.
+    """
+    shown = {int(j) for j in np.flatnonzero(np.diag(matrix) > 1e-6 * np.max(np.diag(matrix), initial=0.0))}
     chosen: list[int] = []
     gained = 0.0
-    while len(chosen) < MOST_PUSHES and gained < ENOUGH * most:
-        others = [int(j) for j in shown if j not in chosen]
+    while len(chosen) < MOST_PUSHES:
+        others = sorted(shown - {*chosen})
         each = [_gain(matrix[np.ix_(c, c)], gradient[c]) for c in ([*chosen, j] for j in others)]
         k = int(np.argmax(each)) if each else 0
-        if not each or each[k] - gained < PAYS:
+        if not each or each[k] - gained < price:
             break
         chosen.append(others[k])
         gained = each[k]
-    return sorted(chosen), gained
+    all_of_them = sorted({j + d for j in chosen for d in (-1, 0, 1)} & shown)
+    return all_of_them, _gain(matrix[np.ix_(all_of_them, all_of_them)], gradient[all_of_them])
 
 
 def _carries_over(matrices: Array, gradients: Array, chosen: Sequence[int]) -> bool:
