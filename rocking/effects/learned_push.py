@@ -48,6 +48,16 @@ def bump(x: NDArray[np.float64]) -> NDArray[np.float64]:
     return (outer**3 - 4.0 * inner**3) / 6.0
 
 
+def course(push: Any, since: NDArray[np.float64]) -> NDArray[np.float64]:
+    """c [m/s^2] of a learned push at times [s] since the beginning, of any shape."""
+    total = np.zeros_like(since)
+    for j, name in enumerate(PUSHES):
+        size = getattr(push, name)
+        if size != 0.0:
+            total += size * bump(since / push.interval - j)
+    return np.where(since >= 0.0, total, 0.0)
+
+
 _Coefficients: Any = tabulated([("interval", 0.1), *((name, 0.0) for name in PUSHES)])
 
 
@@ -59,15 +69,6 @@ class LearnedPush(_Coefficients):
     ranges: ClassVar[dict[str, tuple[float, float]]] = {"interval": (1e-3, 1e3)}
     rank: ClassVar[int] = 4  # it acts on the block, whatever the base does
 
-    def course(self, since: NDArray[np.float64]) -> NDArray[np.float64]:
-        """c [m/s^2] at times [s] since the beginning, of any shape."""
-        total = np.zeros_like(since)
-        for j, name in enumerate(PUSHES):
-            size = getattr(self, name)
-            if size != 0.0:
-                total += size * bump(since / self.interval - j)
-        return np.where(since >= 0.0, total, 0.0)
-
     def base_motion(self, motion: BaseMotion, span: tuple[float, float], g: float) -> BaseMotion:
         """The motion of a base on which the block would move as it does under the force."""
         acting = [j for j, name in enumerate(PUSHES) if getattr(self, name) != 0.0]
@@ -75,6 +76,6 @@ class LearnedPush(_Coefficients):
             return motion
         step = self.interval / FINER
         t = step * np.arange(FINER * (acting[-1] + 2) + 1)
-        numbers = table(span, span[0], step, self.course(t))
+        numbers = table(span, span[0], step, course(self, t))
         label = f"a push at {len(acting)} times from {acting[0] * self.interval:.3g} s on"
         return AlteredMotion(motion, numbers, kernel=_pushed, max_step=self.interval, label=label)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from rocking.effects.learned_curve import EVEN, ODD, curve, numbers
 from rocking.effects.learned_damping import DAMPING
 from rocking.effects.learned_friction import FRICTION
-from rocking.effects.learned_push import PUSHES, LearnedPush
+from rocking.effects.learned_push import PUSHES, LearnedPush, course
 from rocking.effects.learned_reading import MARKS, LearnedReading
 from studies.loop.learned_in_time import (
     amplification,
@@ -326,7 +326,7 @@ def _pushed(setup: Setup, settled: Settled, held: Mapping[str, int]) -> Curve:
     interval = settled.whole.model.get(f"{PUSH}.interval")
     own = [name for name in PUSHES if f"{PUSH}.{name}" in held]
     ones = {name: LearnedPush(interval=interval, **{name: 1.0}) for name in own}
-    functions = {f"{PUSH}.{name}": lambda x, one=one: one.course(x) for name, one in ones.items()}
+    functions = {f"{PUSH}.{name}": lambda x, one=one: course(one, x) for name, one in ones.items()}
     part = _Part(
         "Push at the same times of every test",
         "A force on the whole block to -x over its mass, as much as an acceleration of the base to +x.",

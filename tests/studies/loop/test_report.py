@@ -212,7 +212,7 @@ def test_what_was_not_named_but_is_more_than_chance_is_said_to_be_hinted_at(fell
 def retold(values, covariance):
     """The tilt's finding with other parameters in its model, of which the covariance is given."""
     finding = found.tilted()
-    names = tuple(name for name in values if not name.endswith(("reach", "intervals", ".low", ".high")))
+    names = tuple(name for name in values if not name.endswith(("reach", "intervals", ".interval", ".low", ".high")))
     whole = dataclasses.replace(finding.settled.whole, model=finding.after.changed(values))
     return dataclasses.replace(
         finding, settled=dataclasses.replace(finding.settled, names=names, covariance=covariance, whole=whole)
@@ -290,6 +290,15 @@ def test_a_coupled_sensor_is_drawn_by_what_it_passes():
     assert curve.high[k] - curve.y[k] == pytest.approx(1.96 * 1e-3 / (0.2 * 2.0**1.5), rel=1e-3)
     # One that loses nothing has no slow motion to draw.
     assert retold({"learned_coupling.corner_frequency": 0.0}, np.diag([1e-6])).learned == ()
+
+
+def test_a_push_is_drawn_over_the_longest_test():
+    """Of one B-spline 2/3 in its middle and 1/6 an interval from there; its band goes with it."""
+    [curve] = retold({"learned_push.interval": 0.5, "learned_push.push_3": 0.3}, np.diag([1e-4])).learned
+    longest = max(float(record.time[-1] - record.time[0]) for record in found.tilted().setup.records)
+    assert curve.x[0] == 0.0 and curve.x[-1] == longest and curve.x_label == "time since the test began [s]"
+    np.testing.assert_allclose(np.interp([1.0, 1.5, 2.0], curve.x, curve.y), [0.05, 0.2, 0.05], rtol=1e-2)
+    np.testing.assert_allclose(curve.high - curve.y, 1.96 * 1e-2 / 0.3 * np.abs(curve.y), rtol=1e-9, atol=1e-15)
 
 
 def test_damping_with_a_shape_of_its_own_on_either_side_is_drawn_from_end_to_end():

@@ -1,0 +1,71 @@
+"""A push at given times against SciPy's splines, and against a base that moves so (rocking.effects.learned_push)."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import BSpline
+
+from excitation import SampledMotion
+from rocking import Block, Method1, solve
+from rocking.effects import base_with, load
+from rocking.effects.learned_push import MOST, LearnedPush, course
+from rocking.motion import base_at
+
+STEP = 0.005
+
+
+def still(seconds: float) -> SampledMotion:
+    return SampledMotion(STEP, np.zeros(round(seconds / STEP) + 1))
+
+
+def felt(motion: object, t: np.ndarray) -> np.ndarray:
+    return np.asarray(base_at(np, motion, t, np.asarray(motion.parameters)).a_x) + 0.0 * t  # type: ignore[attr-defined]
+
+
+def test_it_is_a_cubic_spline_of_the_time_since_the_beginning() -> None:
+    """SciPy's B-spline on knots an interval apart, of a run that begins at 2 s."""
+    h, c = 0.3, np.array([0.4, -0.2, 0.7, 0.0, 0.5])
+    push = LearnedPush(interval=h, **{f"push_{j}": value for j, value in enumerate(c)})
+    spline = BSpline(h * np.arange(-5, c.size + 5), np.concatenate([np.zeros(3), c, np.zeros(3)]), 3)
+    t = np.linspace(0.0, h * (c.size + 0.999), 400)
+    np.testing.assert_allclose(course(push, t), spline(t), rtol=1e-12, atol=1e-14)
+    moved = push.base_motion(still(9.0), (2.0, 9.0), 9.81)
+    # Between samples, of which there are four in an interval, lies a cubic of their values and slopes.
+    np.testing.assert_allclose(felt(moved, 2.0 + t), spline(t), rtol=0.0, atol=5e-4)
+    assert not felt(moved, np.linspace(0.0, 1.99, 50)).any() and not felt(moved, np.linspace(4.2, 9.0, 50)).any()
+
+
+def test_a_block_that_is_pushed_moves_as_on_a_base_that_is_accelerated() -> None:
+    """Through liftoff and impacts; another motion's samples are 60 to an interval."""
+    block, e = Block(0.2, 0.6, 0.3, 2000.0), 0.92
+    push = LearnedPush(interval=0.3, push_1=4.0, push_2=6.0, push_4=-5.0)
+    t = STEP * np.arange(601)
+    save_at = np.linspace(0.1, 3.0, 59)
+    by_push = solve(Method1(block, e), still(3.0), t_end=3.0, save_at=save_at, effects=[push])
+    by_base = solve(Method1(block, e), SampledMotion(STEP, course(push, t)), t_end=3.0, save_at=save_at)
+    assert np.max(np.abs(by_base.theta)) > 0.01 and by_base.theta[np.argmax(np.abs(by_base.theta) > 1e-3)] < 0.0
+    np.testing.assert_allclose(by_push.theta, by_base.theta, rtol=0.0, atol=2e-4 * np.max(np.abs(by_base.theta)))
+
+
+def test_it_acts_along_a_floor_that_is_tilted_too_in_whatever_order_they_are_given() -> None:
+    effects = [load("base_tilt")(angle=0.1), LearnedPush(interval=0.2, push_3=1.5)]
+    t = np.linspace(0.0, 2.0, 101)
+    one, other = (felt(base_with(still(2.0), e, (0.0, 2.0), 9.81), t) for e in (effects, effects[::-1]))
+    np.testing.assert_array_equal(one, other)
+    pushed = felt(base_with(still(2.0), effects[1:], (0.0, 2.0), 9.81), t)
+    np.testing.assert_allclose(one, pushed * np.cos(0.1) - 9.81 * np.sin(0.1), rtol=1e-12)
+
+
+def test_without_a_coefficient_it_is_the_motion() -> None:
+    motion = still(1.0)
+    assert LearnedPush(interval=0.5).base_motion(motion, (0.0, 1.0), 9.81) is motion
+
+
+@pytest.mark.parametrize("interval", [0.0, -0.1, float("nan")])
+def test_what_is_no_interval_is_refused(interval: float) -> None:
+    with pytest.raises(ValueError, match=r"learned_push.interval=.* s: want 0.001 to 1000"):
+        LearnedPush(interval=interval)
+
+
+def test_it_tells_the_coefficients_that_are_given() -> None:
+    assert repr(LearnedPush(interval=0.2, push_5=0.3)) == "LearnedPush(interval=0.2, push_5=0.3)"
+    assert len(LearnedPush.parameter_names()) == MOST + 1
