@@ -8,26 +8,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from released import DECLARED, IDEAL, LEANS, NOISE, STEP, calibrated
 from scipy.interpolate import BSpline
 
 from rocking.effects.learned_push import course
-from studies.campaigns import Channel, DeclaredBlock, Test
+from studies.campaigns import Channel, Test
 from studies.laboratory import event, table
-from studies.laboratory.parameters import G, World, uniform
+from studies.laboratory.parameters import World
 from studies.loop.models.candidates import candidates
-from studies.loop.models.model import LoopModel
-from studies.loop.observed.windows import in_order, record_of, swing_windows
 from studies.loop.runs.simulation import Simulator
 from studies.loop.swings import pushing as pushing_module
 from studies.loop.swings.learning import learn
 from studies.loop.swings.pushing import _sums, pushing
-from studies.loop.swings.tracing import baseline, search
+from studies.loop.swings.tracing import search
 from studies.loop.swings.trials import Trial, bic
 
-NOISE, STEP, E = 1e-4, 0.004, 0.95
-DECLARED = DeclaredBlock(0.2, 0.6, 0.25, 30.0)
-IDEAL = uniform(0.2, 0.6, 30.0, E)
-LEANS = (0.26, -0.24, 0.21, -0.18, 0.15, -0.2)  # rad
 GUSTS = ((1.1, 0.12, 0.2), (2.9, 0.12, 0.2))  # middle [s], acceleration [m/s^2], width [s]
 
 
@@ -42,10 +37,7 @@ def decays(
         run = event.simulate(world, table.pieces(STEP, air, zero, (zero, zero, zero)), STEP, 1, lean)
         read = run.rotation + NOISE * rng.standard_normal(run.rotation.size)
         tests.append(Test(f"free-{k}", "free", run.time, (Channel("rotation", "rotation", NOISE),), {"rotation": read}))
-    records = [record_of(test, k, NOISE, DECLARED.alpha) for k, test in enumerate(tests)]
-    kept = in_order([record for record in records if record is not None], DECLARED)
-    simulator = Simulator(tests)
-    return simulator, baseline(simulator, LoopModel(DECLARED, E, {}, G), swing_windows(kept))
+    return calibrated(tests)
 
 
 def blown(t: np.ndarray) -> np.ndarray:
