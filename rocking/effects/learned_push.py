@@ -2,7 +2,8 @@
 
 Adds        a_x += c(t): what pushes the whole block to -x with c times its mass is an acceleration of the base to +x;
             c is a cubic spline over equal intervals from the beginning of the run on, zero after the last of them
-Parameters  interval, between knots [s]; push_0 ..., up to `MOST`, coefficients of c [m/s^2]: those of B-splines whose
+Parameters  at_rest, share of it that acts where the base is at rest all the time [1], 0 of what goes with the shaking;
+            interval, between knots [s]; push_0 ..., up to `MOST`, coefficients of c [m/s^2]: those of B-splines whose
             middles are that many intervals after the beginning; 0 where absent
 Use when    something acts at the same times of every test: a fan that is switched on, a drive that kicks before the
             motion begins, a machine next door that runs through its cycle
@@ -20,7 +21,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from rocking.altered import AlteredMotion, table, table_value
+from rocking.altered import AlteredMotion, samples_of, table, table_value
 from rocking.effects.learned_curve import tabulated
 from rocking.motion import BaseMotion
 
@@ -58,15 +59,15 @@ def course(push: Any, since: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.where(since >= 0.0, total, 0.0)
 
 
-_Coefficients: Any = tabulated([("interval", 0.1), *((name, 0.0) for name in PUSHES)])
+_Coefficients: Any = tabulated([("interval", 0.1), ("at_rest", 1.0), *((name, 0.0) for name in PUSHES)])
 
 
 class LearnedPush(_Coefficients):
-    """What pushes at the same times: the interval between knots [s] and the coefficients [m/s^2]."""
+    """What pushes at the same times: the interval between knots [s], its share at rest and the coefficients [m/s^2]."""
 
     name: ClassVar[str] = "learned_push"
-    units: ClassVar[dict[str, str]] = {"interval": "s"} | dict.fromkeys(PUSHES, "m/s^2")
-    ranges: ClassVar[dict[str, tuple[float, float]]] = {"interval": (1e-3, 1e3)}
+    units: ClassVar[dict[str, str]] = {"interval": "s", "at_rest": "1"} | dict.fromkeys(PUSHES, "m/s^2")
+    ranges: ClassVar[dict[str, tuple[float, float]]] = {"interval": (1e-3, 1e3), "at_rest": (-10.0, 10.0)}
     rank: ClassVar[int] = 4  # it acts on the block, whatever the base does
 
     def base_motion(self, motion: BaseMotion, span: tuple[float, float], g: float) -> BaseMotion:
@@ -74,8 +75,9 @@ class LearnedPush(_Coefficients):
         acting = [j for j, name in enumerate(PUSHES) if getattr(self, name) != 0.0]
         if not acting:
             return motion
+        share = self.at_rest if self.at_rest != 1.0 and not samples_of(motion, span).a_x.any() else 1.0
         step = self.interval / FINER
         t = step * np.arange(FINER * (acting[-1] + 2) + 1)
-        numbers = table(span, span[0], step, course(self, t))
+        numbers = table(span, span[0], step, share * course(self, t))
         label = f"a push at {len(acting)} times from {acting[0] * self.interval:.3g} s on"
         return AlteredMotion(motion, numbers, kernel=_pushed, max_step=self.interval, label=label)

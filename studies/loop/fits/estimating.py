@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,7 @@ from studies.loop.fits.linearising import (
 from studies.loop.models.model import LoopModel
 from studies.loop.models.parameters import Parameter
 from studies.loop.observed.observing import jobs_of, observe
+from studies.loop.runs.at_once import at_once
 from studies.loop.runs.simulation import Simulator
 
 Array = NDArray[np.float64]
@@ -79,11 +81,12 @@ def gains(
         The gain by candidate; infinite for one that does not run at its absent value or a difference away from it.
     """
     plain = linearised(simulator, fitted.model, fitted.parameters, fitted.windows)
-    out = {}
-    for name, parameters in candidates.items():
-        beside = _slopes_beside(simulator, fitted, model_of[name], parameters)
-        out[name] = math.inf if beside is None else _gained(fitted, plain, *beside, huber)
-    return out
+
+    def gained(name: str) -> float:
+        beside = _slopes_beside(simulator, fitted, model_of[name], candidates[name])
+        return math.inf if beside is None else _gained(fitted, plain, *beside, huber)
+
+    return dict(zip(candidates, at_once([partial(gained, name) for name in candidates]), strict=True))
 
 
 def gains_of_changes(
@@ -107,11 +110,12 @@ def gains_of_changes(
         The gain by candidate and course; none of a candidate that does not run there.
     """
     plain = linearised(simulator, fitted.model, fitted.parameters, fitted.windows)
-    tests, out = [w.test for w in fitted.windows], {}
-    for name, parameters in candidates.items():
-        beside = _slopes_beside(simulator, fitted, model_of[name], parameters)
+    tests = [w.test for w in fitted.windows]
+
+    def gained(name: str) -> dict[tuple[str, str], float]:
+        beside, out = _slopes_beside(simulator, fitted, model_of[name], candidates[name]), {}
         if beside is None:
-            continue
+            return {}
         own, known = beside
         for course, share in courses.items():
             changed = [np.hstack([x, share[test] * x]) for x, test in zip(own, tests, strict=True)]
@@ -120,7 +124,10 @@ def gains_of_changes(
                 for p, test in zip(known, tests, strict=True)
             ]
             out[name, course] = _gained(fitted, plain, changed, priors_changed, huber)
-    return out
+        return out
+
+    each = at_once([partial(gained, name) for name in candidates])
+    return {course: gain for of_one in each for course, gain in of_one.items()}
 
 
 _Beside = tuple[list[Array], list[Prior | None]]

@@ -1,4 +1,4 @@
-"""What pushes the block at the same times of every test: a fan that is switched on, a drive that kicks.
+"""What pushes the block at the same times of every test, or of every one that is shaken: a fan, a drive that kicks.
 
 A push of any shape has a coefficient for each short interval of a test.  Each acts on the swings of that time alone,
 so that one linearisation says what all of them explain together, and those of longer intervals, which are sums of
@@ -15,12 +15,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rocking import G_STANDARD
 from rocking.effects.learned_push import MOST, PUSHES, LearnedPush
+from studies.loop.fits.fitting import Fit
 from studies.loop.fits.linearising import HUBER, STEP, Linear, Prior, linearised, reduced, weights_of
 from studies.loop.models.candidates import Candidate
 from studies.loop.models.model import LoopModel
@@ -53,8 +55,8 @@ CARRIED_OVER = 0.8
 def pushing(simulator: Simulator, onto: Trial) -> tuple[Candidate, ...]:
     """A push at the times that explain most on top of a trial; none where other tests than a test say little of it.
 
-    Not where accelerometers are read, which would feel a force otherwise than what the base does, nor where runs take
-    long.
+    In all tests, or in those alone that are shaken, whichever explains more.  Not where accelerometers are read, which
+    would feel a force otherwise than what the base does, nor where runs take long.
     """
     swing, declared = onto.swing, onto.swing.model.declared
     tests = sorted({w.test for w in swing.windows})
@@ -67,23 +69,52 @@ def pushing(simulator: Simulator, onto: Trial) -> tuple[Candidate, ...]:
     every = every[: min(MOST, math.ceil(longest / interval) + 2)]
     fixed = {f"{PUSH}.interval": interval}
     slopes = _slopes(simulator, swing.model.changed(fixed), every, swing.windows, interval)
-    matrices, gradients = _of_each_test(simulator, onto, slopes, tests)
-    best: tuple[float, list[int], float] | None = None
+    plain = linearised(simulator, swing.model, swing.parameters, swing.windows)
+    shaken = {test for test in tests if simulator.tests[test].kind == "forced"}
+    found = [_best(*_of_each_test(onto, plain, slopes, tests), interval, swing)]
+    if FEWEST_TESTS <= len(shaken) < len(tests):
+        alone = [x if w.test in shaken else 0.0 * x for x, w in zip(slopes, swing.windows, strict=True)]
+        matrices, gradients = _of_each_test(onto, plain, alone, tests)
+        kept = [k for k, test in enumerate(tests) if test in shaken]
+        found.append(_best(matrices[kept], gradients[kept], interval, swing))
+    if all(each is None for each in found):
+        return ()
+    worth = [-math.inf if each is None else each.worth for each in found]
+    k = max(range(len(found)), key=worth.__getitem__)
+    best = found[k]
+    assert best is not None
+    own = tuple(every[j] for j in best.chosen)
+    fixed = {f"{PUSH}.interval": best.interval, f"{PUSH}.at_rest": 0.0 if k else 1.0}
+    label = "learned[push at the same times of shaking]" if k else "learned[push at the same times]"
+    return (Candidate(label, PUSH, own, (), fixed),)
+
+
+class _Best(NamedTuple):
+    """Coefficients that are worth most."""
+
+    worth: float
+    chosen: list[int]
+    interval: float  # [s]
+
+
+def _best(matrices: Array, gradients: Array, interval: float, swing: Fit) -> _Best | None:
+    """The best coefficients of intervals of all lengths; none where other tests than a test say little of them.
+
+    matrices, gradients: of `_of_each_test`, of the shortest intervals.
+    swing: the fit of the swings without a push.
+    """
+    best: _Best | None = None
     price, spread = math.log(max(swing.samples, 2)), max(1.0, swing.chi2 / max(swing.samples, 1))
     for halving in range(HALVINGS + 1):
-        sums = _sums(len(every), halving)
+        sums = _sums(gradients.shape[1], halving)
         coarser, by = sums.T @ matrices @ sums, gradients @ sums
         chosen, gained = _chosen(coarser.sum(axis=0), by.sum(axis=0), price)
         pays = gained > PAYS * spread and _carries_over(coarser, by, chosen)
         # Of how long intervals are Akaike's criterion asks: whole records predict by them, and bear no coarse shape.
         worth = gained - 2.0 * len(chosen)
-        if pays and (best is None or worth > best[0]):
-            best = worth, chosen, interval * 2**halving
-    if best is None:
-        return ()
-    _, chosen, interval = best
-    own, fixed = tuple(every[j] for j in chosen), {f"{PUSH}.interval": interval}
-    return (Candidate("learned[push at the same times]", PUSH, own, (), fixed),)
+        if pays and (best is None or worth > best.worth):
+            best = _Best(worth, chosen, interval * 2**halving)
+    return best
 
 
 def _sums(count: int, halving: int) -> Array:
@@ -125,15 +156,12 @@ def _slopes(
     return out
 
 
-def _of_each_test(
-    simulator: Simulator, onto: Trial, slopes: Sequence[Array], tests: Sequence[int]
-) -> tuple[Array, Array]:
+def _of_each_test(onto: Trial, plain: Linear, slopes: Sequence[Array], tests: Sequence[int]) -> tuple[Array, Array]:
     """Normal equations of the coefficients, by test, shapes (test, coefficient, coefficient) and (test, coefficient).
 
     The states, and what is fitted already, are projected off; the latter by what all tests say of it.
     """
     swing, k, n = onto.swing, len(onto.swing.parameters), slopes[0].shape[1]
-    plain = linearised(simulator, swing.model, swing.parameters, swing.windows)
     weights = weights_of(swing.residuals, HUBER, False)
     both = [np.hstack(pair) for pair in zip(plain.by_parameters, slopes, strict=True)]
     priors = [

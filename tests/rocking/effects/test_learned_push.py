@@ -55,6 +55,16 @@ def test_it_acts_along_a_floor_that_is_tilted_too_in_whatever_order_they_are_giv
     np.testing.assert_allclose(one, pushed * np.cos(0.1) - 9.81 * np.sin(0.1), rtol=1e-12)
 
 
+def test_a_share_of_it_acts_where_the_base_is_at_rest() -> None:
+    push = LearnedPush(interval=0.2, at_rest=0.25, push_3=1.5)
+    t = np.linspace(0.0, 2.0, 101)
+    np.testing.assert_allclose(
+        felt(push.base_motion(still(2.0), (0.0, 2.0), 9.81), t), 0.25 * course(push, t), atol=1e-3
+    )
+    shaking = SampledMotion(STEP, 1e-6 * np.sin(STEP * np.arange(401)))
+    np.testing.assert_allclose(felt(push.base_motion(shaking, (0.0, 2.0), 9.81), t), course(push, t), atol=4e-3)
+
+
 def test_without_a_coefficient_it_is_the_motion() -> None:
     motion = still(1.0)
     assert LearnedPush(interval=0.5).base_motion(motion, (0.0, 1.0), 9.81) is motion

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from released import DECLARED, IDEAL, LEANS, NOISE, STEP, calibrated
+from released import DECLARED, IDEAL, LEANS, NOISE, STEP, calibrated, still
 from scipy.interpolate import BSpline
 
 from rocking.effects.learned_push import course
@@ -40,6 +40,27 @@ def decays(
     return calibrated(tests)
 
 
+def shaken(gusts: Sequence[Sequence[tuple[float, float, float]]]) -> tuple[Simulator, Trial]:
+    """Releases without gusts, and runs on a base that is shaken at 2 Hz with these."""
+    rng, tests = np.random.default_rng(5), []
+    time, zero = STEP * np.arange(1501), np.zeros(1501)
+    channels = Channel("rotation", "rotation", NOISE), Channel("base", "base_acceleration_x", 0.01)
+    for k, lean in enumerate(LEANS[:3]):
+        run = event.simulate(IDEAL, still(), STEP, 1, lean)
+        read = run.rotation + NOISE * rng.standard_normal(run.rotation.size)
+        tests.append(Test(f"free-{k}", "free", run.time, channels[:1], {"rotation": read}))
+    for k, blows in enumerate(gusts):
+        base = (4.0 + 0.2 * k) * np.sin(4.0 * np.pi * time) * np.minimum(time / 1.5, 1.0)
+        air = table.Table(gusts=tuple(blows)).on_top(base, STEP)
+        run = event.simulate(IDEAL, table.pieces(STEP, air, zero, (zero, zero, zero)), STEP, 1, 0.0)
+        said = {
+            "rotation": run.rotation + NOISE * rng.standard_normal(time.size),
+            "base": base + 0.01 * rng.standard_normal(time.size),
+        }
+        tests.append(Test(f"sine-{k}", "forced", run.time, channels, said))
+    return calibrated(tests)
+
+
 def blown(t: np.ndarray) -> np.ndarray:
     """Acceleration of the base that the gusts are as much as [m/s^2]."""
     return -sum((size * np.exp(-0.5 * ((t - middle) / width) ** 2) for middle, size, width in GUSTS), np.zeros_like(t))
@@ -63,6 +84,14 @@ def test_gusts_are_what_is_learned() -> None:
     simulator, plain = decays([GUSTS] * len(LEANS))
     found = learn(simulator, plain, lambda text: None)
     assert found.names == ("learned[push at the same times]",)
+
+
+def test_gusts_of_shaking_alone_are_none_of_releases() -> None:
+    simulator, plain = shaken([GUSTS] * 5)
+    [candidate] = pushing(simulator, plain)
+    assert candidate.name == "learned[push at the same times of shaking]"
+    [trial] = search(simulator, plain, [candidate]).trials
+    assert trial.swing.rms < 1.05 < 1.2 < plain.swing.rms
 
 
 def test_gusts_at_other_times_in_each_test_are_none_at_the_same() -> None:
