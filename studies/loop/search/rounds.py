@@ -71,7 +71,7 @@ class Path:
 
 def followed(
     setup: Setup, begin: Path, pool: Sequence[Candidate], tell: Tell, *, later: bool = False,
-    begun: Sequence[Round] = (), most: int = MOST_EFFECTS,
+    begun: Sequence[Round] = (), most: int = MOST_EFFECTS, by_swings: bool = False,
 ) -> Path:  # fmt: skip
     """The search, one effect after the other.
 
@@ -79,6 +79,7 @@ def followed(
     later: whether candidates whose runs take long are left out; then two effects have to be enough.
     begun: rounds of a search that left them out, swings alone having been asked if they are left out again.
     most: effects after which it ends.
+    by_swings: whether whole records are not asked for effects that swings only hint at.
     """
     path, rounds, fits = list(begin.trials), list(begin.rounds), list(begin.fits)
     rivals, decided = begin.rivals, set(begin.decided)
@@ -95,7 +96,7 @@ def followed(
             tell(f"tracing, round {depth + 1}")
         hopeless = {name for r in rounds for name, why in r.skipped.items() if why == FAR_LESS}
         left, known = _without(hopeless, pool, known)
-        tried, accepted, confirmed = _round(setup, path[-1], fits[-1], left, tell, known, later)
+        tried, accepted, confirmed = _round(setup, path[-1], fits[-1], left, tell, known, later, by_swings)
         tried.skipped |= dict.fromkeys(hopeless, FAR_LESS)
         rounds.append(tried)
         if accepted is None:
@@ -161,13 +162,14 @@ def searched(setup: Setup, onto: Trial, pool: Sequence[Candidate], tell: Tell, l
 
 def _round(
     setup: Setup, onto: Trial, whole: Fit, pool: Sequence[Candidate], tell: Tell, known: Round | None = None,
-    later: bool = False,
+    later: bool = False, by_swings: bool = False,
 ) -> tuple[Round, Accepted | None, tuple[Rival, ...]]:  # fmt: skip
     """What was tried on top of a trial, what of it is accepted, and the rivals if whole records decided among them.
 
     whole: the fit on whole records of the trial.
     known: the round as far as it was gone through without candidates whose runs take long.
     later: whether these are left out.
+    by_swings: whether whole records are not asked for more.
     """
 
     def explained(trial: Trial) -> bool:
@@ -176,7 +178,7 @@ def _round(
     tried = searched(setup, onto, pool, tell, later) if known is None else known
     if known is not None and not later and not any(map(explained, (onto, *known.trials))):
         search_costly(setup.simulator, tried, tell, explained)
-    accepted, confirmed = _accepted(setup, onto, whole, tried, pool, tell)
+    accepted, confirmed = _accepted(setup, onto, whole, tried, pool, tell, by_swings=by_swings)
     if later or not tried.put_off:
         return tried, accepted, confirmed
     # Swings that leave nothing say nothing of a soft floor; whole records that are missed still may, and so may swings
@@ -215,8 +217,9 @@ def _lost_either_way(now: Fit, without: Fit) -> bool:
 
 
 def _accepted(
-    setup: Setup, onto: Trial, whole: Fit, tried: Round, pool: Sequence[Candidate], tell: Tell, hint: float = HINT
-) -> tuple[Accepted | None, tuple[Rival, ...]]:
+    setup: Setup, onto: Trial, whole: Fit, tried: Round, pool: Sequence[Candidate], tell: Tell, hint: float = HINT,
+    by_swings: bool = False,
+) -> tuple[Accepted | None, tuple[Rival, ...]]:  # fmt: skip
     """The trial of a round that pays, and the rivals if whole records decided among them."""
     accepted: Accepted | None = None
     best = tried.best
@@ -232,7 +235,8 @@ def _accepted(
     # far too much, these have more to say; not where swings leave much themselves, of which more is to be found first.
     # Floors that give begin there from swings alone, and have been fitted so.
     unsettled = accepted is None or (accepted[1].rms > MISSED_BY_FAR and not _swings_show_more(setup, accepted[0]))
-    if not setup.by_rotation or (best is not None and likely and (onto.parts or not unsettled or best.costly)):
+    settled = best is not None and likely and (onto.parts or not unsettled or best.costly)
+    if by_swings or not setup.by_rotation or settled:
         return accepted, ()
     tell("asking whole records")
     confirmed = asked(setup, onto, whole, tried, pool, hint)

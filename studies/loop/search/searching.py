@@ -91,7 +91,9 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     floor = _floor_first(setup, begin, opening, pool, tell) if term is None else None
     if floor is not None and (_enough_alone(setup, floor) or stands_alone(setup, floor.last, floor.whole)):
         return floor
-    first = floor or followed(setup, begin, pool, tell, later=True, begun=[opening], most=1)
+    # Where a coefficient explains swings that no name explains, whole records have no name for them either.
+    by_swings = term is not None
+    first = floor or followed(setup, begin, pool, tell, later=True, begun=[opening], most=1, by_swings=by_swings)
     greedy: Path | None = None
     if floor is None and term is None and _floor_may_be_behind(setup, begin, opening, first):
         # Two effects are asked in far less time; of a floor they leave something.
@@ -105,6 +107,8 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
         path = _without_names(setup, plain, first, pool, term, tell) if term is not None else None
         if path is not None:
             return path
+    if by_swings:
+        first = followed(setup, begin, pool, tell, later=True, begun=[opening], most=1)
     if floor is not None:
         floor = followed(setup, floor, pool, tell)
         if explains(setup, floor.last, floor.whole):
@@ -125,13 +129,13 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     kinds = _kinds_of_forms(setup, plain, quick) if floor is None else []
     form = None
     if len(kinds) > 1 and kinds[0].goes_on and kinds[0].promise > kinds[1].promise + PAYS:
-        form = _form_in_place(setup, plain, quick, [kinds.pop(0)], lead, tell)
+        form = _form_in_place(setup, plain, quick, [kinds.pop(0)], lead, tell, _floors_are_refused(rounds, plain))
     beside = _term_beside(setup, plain, quick, tell) if floor is None and form is None else None
     if beside is not None:
         why = ONE_BESIDE if len(beside.parts) > 1 else ONE_TERM
         rounds = [replace(r, skipped=r.skipped | {c.name: why for c in r.put_off}) for r in rounds]
         return replace(_told(setup, quick, paths, greedy, rounds), term=beside)
-    form = form or _form_in_place(setup, plain, quick, kinds, lead, tell)
+    form = form or _form_in_place(setup, plain, quick, kinds, lead, tell, _floors_are_refused(rounds, plain))
     if form is not None:
         rounds = [replace(r, skipped=r.skipped | {c.name: ONE_FORM for c in r.put_off}) for r in rounds]
         return replace(_told(setup, quick, paths, greedy, rounds), term=form)
@@ -351,7 +355,7 @@ def _kinds_of_forms(setup: Setup, plain: Trial, path: Path) -> list[_Kind]:
 
 
 def _form_in_place(
-    setup: Setup, plain: Trial, path: Path, kinds: Sequence[_Kind], lead: Lead, tell: Tell
+    setup: Setup, plain: Trial, path: Path, kinds: Sequence[_Kind], lead: Lead, tell: Tell, refused: bool
 ) -> Trial | None:  # fmt: skip
     """A form of many coefficients that leaves nothing of swings and whole records, where a path leaves something.
 
@@ -360,6 +364,9 @@ def _form_in_place(
     chance would leave, and whole records are missed, a form may still be preferred by far: what it does is little in
     any one swing.  Where a coefficient or two say as much of the swings,
     no form is taken that whole records do not prefer to them.
+
+    refused: whether releases refused floors that give; then a form that leaves no more of swings than chance would, and
+        that whole records prefer by far, need not meet these: the noise of the base may lose one.
     """
     for kind in kinds:
         tell(f"something is left: asking {kind.what}")
@@ -370,6 +377,8 @@ def _form_in_place(
             if bic(form.swing) > min(bic(path.last.swing) - PAYS, bic(forms[0].swing) + PAYS):
                 break
             found = _enough(setup, form)
+            if found is None and refused and _leads(setup, path, form):
+                found = form, whole_fit(setup, form)
             if found is None or explains_more(setup, path.whole, found[1]):
                 continue
             if best is None or explains_more(setup, found[1], best[1]):
@@ -380,6 +389,14 @@ def _form_in_place(
                 return best[0]
             return best[0] if explains_more(setup, best[1], whole_fit(setup, few)) else None
     return None
+
+
+def _leads(setup: Setup, path: Path, form: Trial) -> bool:
+    """Whether a form leaves no more of swings than chance would, where a path leaves structure, and whole records
+    prefer it by far."""
+    if not by_chance(setup, form) or over_noise(setup, path.last) <= unexplained(setup):
+        return False
+    return explains_more(setup, whole_fit(setup, form), path.whole)
 
 
 def _term_ahead(setup: Setup, path: Path, rounds: Sequence[Round], lead: Lead) -> Trial | None:
@@ -467,7 +484,7 @@ def _without_names(
     term, its_whole = coefficient
     path, smooth = first, [c for c in pool if c.smooth]
     if len(first.trials) > 1:
-        path = followed(setup, first, smooth, tell, later=True, most=2)
+        path = followed(setup, first, smooth, tell, later=True, most=2, by_swings=True)
     by = bic(path.last.swing) - bic(term.swing)
     # Two effects have the freedom to stand for a third of any kind: where whole records prefer the coefficient to both,
     # however these are begun, swings only must not speak against it.

@@ -271,6 +271,12 @@ def test_whole_records_are_not_asked_where_what_is_accepted_leaves_much_of_swing
     stubs.asked.clear()
     found, _ = rounds._accepted(setup, PLAIN, whole(5.0, 6.0), Round(PLAIN, [best]), (), lambda text: None)
     assert found is None and stubs.asked == [whole_records.HINT]
+    # Nor are they asked where something without a name explains swings.
+    stubs.asked.clear()
+    found, _ = rounds._accepted(
+        setup, PLAIN, whole(5.0, 6.0), Round(PLAIN, [best]), (), lambda text: None, by_swings=True
+    )  # fmt: skip
+    assert found is None and stubs.asked == []
 
 
 @pytest.mark.parametrize(
@@ -605,7 +611,7 @@ def test_some_windows_are_enough_for_scores_where_the_best_alone_is_asked_for(mo
 def test_what_explained_far_too_little_by_itself_is_not_tried_on_top_of_others(monkeypatch):
     pools = []
 
-    def one(setup, onto, whole, pool, tell, known, later):
+    def one(setup, onto, whole, pool, tell, known, later, by_swings):
         pools.append(([c.name for c in pool], [] if known is None else [c.name for c in known.put_off]))
         tried = Round(onto, [], {"hard": tracing.FAR_LESS, "soft": "score 0"} if len(pools) == 1 else {})
         return tried, (FLOOR, whole) if len(pools) == 1 else None, ()

@@ -59,10 +59,11 @@ def ways(monkeypatch):
     told = SimpleNamespace(
         chance=True, explains=True, rounds=[], accepted={}, put_off=(SimpleNamespace(name="floor"),), whole=1.4,
         trials={}, declared=True, term=False, promises=False, nothing=(),
-        form=None, from_many=None, beside=None, alone=(), ahead=None, kinds=(), asked=[],
+        form=None, from_many=None, beside=None, alone=(), ahead=None, kinds=(), asked=[], by_swings=[],
     )  # fmt: skip
 
-    def one_round(setup, onto, whole, pool, tell, known, later):
+    def one_round(setup, onto, whole, pool, tell, known, later, by_swings=False):
+        told.by_swings.append(by_swings)
         told.rounds.append((onto.names, later, known is not None))
         tried = known or Round(onto, list(told.trials.get(onto.names, ())), put_off=told.put_off)
         tried.put_off = told.put_off if later else ()
@@ -92,7 +93,7 @@ def ways(monkeypatch):
     monkeypatch.setattr(searching, "_one_term_is_enough", lambda setup, plain, tell: told.term)
     told.asked_for_a_form = searching._form_in_place
 
-    def form_in_place(setup, plain, path, kinds, lead, tell):
+    def form_in_place(setup, plain, path, kinds, lead, tell, refused):
         told.asked.append([kind.what for kind in kinds])
         return told.form
 
@@ -416,7 +417,7 @@ def test_a_form_is_taken_where_it_leaves_noise_of_swings_and_whole_records(ways,
     few = None if told.few is None else path_of("one or two", chi2=told.few)
     monkeypatch.setattr(searching, "promise", lambda simulator, onto, pool, times: 1.0 * (pool == "curves"))
     kinds = ways.kinds_of_forms(setup, plain, on_the_way)
-    found = ways.asked_for_a_form(setup, plain, on_the_way, kinds, lambda: few, lambda text: None)
+    found = ways.asked_for_a_form(setup, plain, on_the_way, kinds, lambda: few, lambda text: None, False)
     assert found is (form if taken else None)
     # What goes on in time is asked where curves do not explain it.
     if told.rotation and told.declared and (not told.chance or told.missed > searching.MISSED):
@@ -464,9 +465,38 @@ def test_of_forms_that_swings_do_not_tell_apart_whole_records_choose(
     kinds = [SimpleNamespace(what=pool, pool=pool) for pool in found]
     chosen = ways.asked_for_a_form(
         setup_of(True), plain, SimpleNamespace(last=path, whole=whole_of(ways, path)), kinds, lambda: None,
-        lambda text: None,
+        lambda text: None, False,
     )  # fmt: skip
     assert chosen is {"fine": fine, "wide": wide, None: None}[taken]
+
+
+@pytest.mark.parametrize(
+    ("refused", "chance", "left", "preferred", "taken"),
+    [
+        # A mass on a spring in a block, by an outsider: 1.008 of swings, and one shaken record 3.8 times its noise.
+        (True, True, 4.0, True, True),
+        (False, True, 4.0, True, False),
+        (True, False, 4.0, True, False),
+        (True, True, 1.05, True, False),
+        (True, True, 4.0, False, False),
+    ],
+)
+def test_a_form_far_ahead_need_not_meet_whole_records_where_releases_refuse_floors(
+    ways, monkeypatch, refused, chance, left, preferred, taken
+):
+    form, plain, path = path_of("mode", chi2=500.0), path_of(), path_of("a", "b", chi2=20000.0)
+    ways.whole = 3.0
+    monkeypatch.setattr(searching, "search", lambda s, onto, pool, tell, leading: Round(onto, [form]))
+    monkeypatch.setattr(searching, "by_chance", lambda setup, trial: chance and trial is form)
+    monkeypatch.setattr(searching, "over_noise", lambda setup, trial: left if trial is path else 1.008)
+    monkeypatch.setattr(searching, "unexplained", lambda setup: 1.05)
+    monkeypatch.setattr(searching, "explains_more", lambda setup, one, other: preferred and one.of == form.names)
+    monkeypatch.setattr(searching, "one_is_lost", lambda whole: False)
+    found = ways.asked_for_a_form(
+        setup_of(True), plain, SimpleNamespace(last=path, whole=whole_of(ways, path)),
+        [SimpleNamespace(what="within", pool="within")], lambda: None, lambda text: None, refused,
+    )  # fmt: skip
+    assert found is (form if taken else None)
 
 
 def test_floors_are_not_tried_where_two_effects_leave_nothing(ways):
@@ -721,6 +751,16 @@ def test_no_floor_is_asked_where_one_coefficient_without_a_name_leaves_nothing(s
     assert seen == [(("a",), coefficient)] and not any(not later for _, later, _ in springs.rounds)
 
 
+def test_whole_records_are_asked_after_all_where_names_stay_beside_such_a_coefficient(ways, monkeypatch):
+    ways.trials = {(): [path_of("a", chi2=1000.0)]}
+    ways.accepted, ways.explains = {((), True): path_of("a")}, False
+    monkeypatch.setattr(searching, "_coefficient", lambda setup, plain, lead: (object(), object()))
+    monkeypatch.setattr(searching, "_without_names", lambda *_: None)
+    searching.traced(setup_of(True), path_of(chi2=2000.0), lambda text: None)
+    assert ways.by_swings[:2] == [True, False] and not any(ways.by_swings[2:])
+    assert ways.rounds[:2] == [((), True, True)] * 2
+
+
 def test_one_effect_that_slips_puts_no_floor_off(ways):
     """What it leaves is a median over the windows."""
     ways.chance = False
@@ -737,9 +777,9 @@ def test_rounds_are_gone_on_with_where_whole_records_made_the_trial_anew(ways, m
     begun = []
     one_round = rounds._round
 
-    def noted(setup, onto, whole, pool, tell, known, later):
+    def noted(setup, onto, whole, pool, tell, known, later, by_swings):
         begun.append(known and [t.names for t in known.trials])
-        return one_round(setup, onto, whole, pool, tell, known, later)
+        return one_round(setup, onto, whole, pool, tell, known, later, by_swings)
 
     monkeypatch.setattr(rounds, "_round", noted)
     searched()
@@ -1059,9 +1099,9 @@ def term(stand_in, monkeypatch):
     stand_in.left, stand_in.found, stand_in.its_whole = 1.01, found, 1.0
     one_round = rounds._round
 
-    def noted(setup, onto, whole, pool, tell, known, later):
+    def noted(setup, onto, whole, pool, tell, known, later, by_swings):
         stand_in.pools.append([c.name for c in pool])
-        return one_round(setup, onto, whole, pool, tell, known, later)
+        return one_round(setup, onto, whole, pool, tell, known, later, by_swings)
 
     def search(simulator, onto, pool, tell, leading=False):
         assert onto is stand_in.plain and pool == ("those without a name",)
@@ -1103,6 +1143,8 @@ def test_where_one_coefficient_leaves_nothing_that_smooth_effects_leave_the_sear
     assert [onto for onto, *_ in term.rounds] == [(), ("both",)]
     assert term.pools == [["both", "a", "b", "rough"], ["both", "a", "b"]]
     assert [t.names for t in found.trials] == [(), ("both",), ("both", "b")]
+    # Of effects that swings only hint at whole records were not asked.
+    assert term.by_swings == [True, True]
     # Of each round it is said what was not tried, and why.
     assert [set(r.skipped) for r in found.rounds] == [{"floor"}, {"floor", "rough"}]
     assert all(why == searching.ONE_TERM for r in found.rounds for why in r.skipped.values())
