@@ -1,8 +1,9 @@
 """The one further test that would best settle what is still open.
 
 Among tests that a laboratory could do at once (releases from other leans and on the other side, motions of the campaign
-at another size), that in which two models differ most against the noise: the two that cannot be told apart, or the
-nearest rival, or the model with its least certain parameter at the ends of its interval.
+at another size), that in which two models differ most against what the noise of the sensors leaves open: the two that
+cannot be told apart, or the nearest rival, or the model with its least certain parameter at the ends of its interval.
+Near balance and after many impacts a response hangs finely on the base, and a difference there tells nothing.
 
 Status   a difference after a fall of one of them counts as `FALL`, since a laboratory would rather not break the block.
 """
@@ -10,7 +11,9 @@ Status   a difference after a fall of one of them counts as `FALL`, since a labo
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +22,9 @@ from studies.campaigns import Test
 from studies.loop.closing import Finding
 from studies.loop.models.model import LoopModel
 from studies.loop.models.names import readable
+from studies.loop.observed.spread import with_base_noise
 from studies.loop.runs.simulation import Job, Simulator
+from studies.loop.runs.thinning import base_noise
 from studies.loop.swings.learning import LEARNED
 from studies.loop.whole.remaining import missed, swings_that_count
 
@@ -37,12 +42,22 @@ DURATION, STEP = 8.0, 0.005
 FALL = 0.05
 """Most that a difference counts [rad]."""
 
+DRAWS = 8
+"""Of the noise of base and lean, of which the median is what it leaves open."""
+
+OF_THE_LEAN = [NormalDist().inv_cdf((d + 0.5) / DRAWS) for d in range(DRAWS)]
+"""Noises of the lean over its deviation: so many equally likely ones."""
+
+CLEARLY = 3.0
+"""Times that by which a test has to tell two models apart."""
+
 
 @dataclass(frozen=True)
 class _Proposal:
     words: str
     test: Test
     lean: float  # [rad]
+    noise: float = 0.0  # of the base sensor [m/s^2]
 
 
 @dataclass(frozen=True)
@@ -73,16 +88,36 @@ def next_test(finding: Finding) -> str:
     ]
     answers = simulator.run(models, jobs)
     n = len(proposals)
-    noise = _noise(finding)
-    apart = [
-        _difference(*(simulator.recorded(models[m], k, answers[m * n + k].theta) for m in range(2)))
-        for k in range(n)
-    ]  # fmt: skip
-    k = int(np.argmax(apart))
+    read = [[simulator.recorded(models[m], k, answers[m * n + k].theta) for k in range(n)] for m in range(2)]
+    apart = np.array([_difference(*pair) for pair in zip(*read, strict=True)])
+    left = _left_open(finding, models[0], proposals, read[0])
+    k = int(np.argmax(apart / left))
+    clearly = apart[k] >= CLEARLY * left[k]
     return (
         f"{proposals[k].words}: {question.words} then differ by {apart[k]:.2g} rad rms, "
-        f"{apart[k] / noise:.0f} times the noise."
+        f"{apart[k] / left[k]:.{0 if clearly else 1}f} times what the noise of the sensors leaves open there"
+        + ("." if clearly else "; of releases from other leans and these motions at other sizes none tells more.")
     )
+
+
+def _left_open(finding: Finding, model: LoopModel, proposals: Sequence[_Proposal], read: Sequence[Array]) -> Array:
+    """Rms by which each test would come out otherwise under other noise of base, lean and sensor [rad].
+
+    read: what the sensor reads without it.
+    """
+    rng, noise, n = np.random.default_rng(0), _noise(finding), len(proposals)
+    tests, sds = [p.test for p in proposals], np.array([p.noise for p in proposals])
+    again = [test for _ in range(DRAWS) for test in with_base_noise(tests, sds, rng)]
+    noisy, jobs = Simulator(again, numbers=[0] * len(again)), []
+    for i in range(len(again)):
+        p = proposals[i % n]
+        lean = p.lean + noise * OF_THE_LEAN[i // n] if p.test.kind == "free" else p.lean
+        jobs.append(Job(0, i, p.test.time, float(p.test.time[0]), lean))
+    moved = [
+        _difference(noisy.recorded(model, job.test, answer.theta), read[i % n])
+        for i, (job, answer) in enumerate(zip(jobs, noisy.run([model], jobs), strict=True))
+    ]
+    return np.asarray(np.hypot(np.median(np.reshape(moved, (DRAWS, n)), axis=0), noise))
 
 
 def _repeated(finding: Finding) -> str:
@@ -152,7 +187,8 @@ def _proposals(finding: Finding) -> list[_Proposal]:
             data = {c.name: size * test.data[c.name] for c in test.channels if c.kind.startswith("base_")}
             own = tuple(c for c in test.channels if c.name in data)
             words = f"Repeat the motion of {test.id} at {size:g} times its size"
-            out.append(_Proposal(words, replace(test, channels=own, data=data, overturned=None), 0.0))
+            there = replace(test, channels=own, data=data, overturned=None)
+            out.append(_Proposal(words, there, 0.0, base_noise(test)))
     return out
 
 

@@ -5,7 +5,8 @@ import dataclasses
 import found
 import numpy as np
 
-from studies.loop.proposing import next_test
+from studies.loop.proposing import _left_open, _noise, _proposals, next_test
+from studies.loop.runs.simulation import Job, Simulator
 
 
 def unexplained(far):
@@ -41,3 +42,31 @@ def test_what_explains_only_a_part_is_called_by_its_name():
     said = next_test(dataclasses.replace(found.tilted(), verdict="unexplained"))
     assert "the calibrated ideal block and the one with base tilt" in said
     assert "learned" not in said
+
+
+def test_a_test_is_judged_by_what_noise_leaves_open_there():
+    """Of a release that is what the lean's noise does, to first order: 0.67 of a deviation, the median of its size."""
+    finding = found.tilted()
+    proposals = [p for p in _proposals(finding) if p.test.kind == "free"]
+    simulator, noise = Simulator([p.test for p in proposals]), _noise(finding)
+    small = 1e-6
+    read = [
+        [a.theta for a in simulator.run([finding.after], [
+            Job(0, k, p.test.time, 0.0, p.lean + step) for k, p in enumerate(proposals)
+        ])] for step in (0.0, small)
+    ]  # fmt: skip
+    slopes = np.array([np.sqrt(np.mean((b - a) ** 2)) / small for a, b in zip(*read, strict=True)])
+    left = _left_open(finding, finding.after, proposals, read[0])
+    of_the_lean = np.sqrt(left**2 - noise**2) / (noise * slopes)
+    np.testing.assert_allclose(of_the_lean, 0.6745, rtol=0.25)
+    both = dataclasses.replace(finding, verdict="unexplained")  # the tilt, or none
+    assert next_test(both).endswith("times what the noise of the sensors leaves open there.")
+
+
+def test_where_no_test_would_tell_it_says_so():
+    finding = dataclasses.replace(found.tilted(), rivals=())
+    value = finding.intervals["base_tilt.angle"][0]
+    sure = {"base_tilt.angle": (value, value * (1.0 - 1e-9), value * (1.0 + 1e-9))}
+    said = next_test(dataclasses.replace(finding, intervals=sure))
+    assert "the ends of the interval of Base tilt" in said and "0.0 times what" in said
+    assert said.endswith("none tells more.")
