@@ -337,11 +337,12 @@ def _otherwise(
         return _one_in_place_of(setup, plain, named, whole, tell)
     if not several and not set(named.effects) & LOSSES:
         # A string that is slack up to some lean looks much like any other torque that grows with it.
-        if closely or met(setup, whole, CLOSELY):
-            if not set(named.effects) & OF_THE_BASE:
-                return None
+        one = None
+        if set(named.effects) & OF_THE_BASE:
             under = between(setup.simulator, plain.swing.windows)
-            return _one_in_place_of(setup, plain, named, whole, tell, under, TWIN)
+            one = _one_in_place_of(setup, plain, named, whole, tell, under, TWIN)
+        if one is not None or closely or met(setup, whole, CLOSELY):
+            return one
         one = _one_in_place_of(setup, plain, named, whole, tell)
         if one is not None or bic(named.swing) <= bic(plain.swing) - PAYS:
             return one
