@@ -2,9 +2,9 @@
 
 Adds        a_x += c(t): what pushes the whole block to -x with c times its mass is an acceleration of the base to +x;
             c is a cubic spline over equal intervals from the beginning of the run on, zero after the last of them
-Parameters  at_rest, share of it that acts where the base is at rest all the time [1], 0 of what goes with the shaking;
-            interval, between knots [s]; push_0 ..., up to `MOST`, coefficients of c [m/s^2]: those of B-splines whose
-            middles are that many intervals after the beginning; 0 where absent
+Parameters  interval, between knots [s]; push_0 ..., up to `MOST`, coefficients of c [m/s^2]: those of B-splines, the
+            first of which has its middle an interval before the beginning; 0 where absent; at_rest, share of it that
+            acts where the base never moves by more than still [m/s^2], 0 of what goes with the shaking [1]
 Use when    something acts at the same times of every test: a fan that is switched on, a drive that kicks before the
             motion begins, a machine next door that runs through its cycle
 Limits      the force goes through the centre of mass; a sensor on the block would feel a force as one, and not as what
@@ -55,19 +55,25 @@ def course(push: Any, since: NDArray[np.float64]) -> NDArray[np.float64]:
     for j, name in enumerate(PUSHES):
         size = getattr(push, name)
         if size != 0.0:
-            total += size * bump(since / push.interval - j)
+            total += size * bump(since / push.interval - (j - 1))
     return np.where(since >= 0.0, total, 0.0)
 
 
-_Coefficients: Any = tabulated([("interval", 0.1), ("at_rest", 1.0), *((name, 0.0) for name in PUSHES)])
+_Coefficients: Any = tabulated([("interval", 0.1), ("at_rest", 1.0), ("still", 0.0), *((name, 0.0) for name in PUSHES)])
 
 
 class LearnedPush(_Coefficients):
     """What pushes at the same times: the interval between knots [s], its share at rest and the coefficients [m/s^2]."""
 
     name: ClassVar[str] = "learned_push"
-    units: ClassVar[dict[str, str]] = {"interval": "s", "at_rest": "1"} | dict.fromkeys(PUSHES, "m/s^2")
-    ranges: ClassVar[dict[str, tuple[float, float]]] = {"interval": (1e-3, 1e3), "at_rest": (-10.0, 10.0)}
+    units: ClassVar[dict[str, str]] = {"interval": "s", "at_rest": "1", "still": "m/s^2"} | dict.fromkeys(
+        PUSHES, "m/s^2"
+    )
+    ranges: ClassVar[dict[str, tuple[float, float]]] = {
+        "interval": (1e-3, 1e3),
+        "at_rest": (-10.0, 10.0),
+        "still": (0.0, 1e3),
+    }
     rank: ClassVar[int] = 4  # it acts on the block, whatever the base does
 
     def base_motion(self, motion: BaseMotion, span: tuple[float, float], g: float) -> BaseMotion:
@@ -75,9 +81,11 @@ class LearnedPush(_Coefficients):
         acting = [j for j, name in enumerate(PUSHES) if getattr(self, name) != 0.0]
         if not acting:
             return motion
-        share = self.at_rest if self.at_rest != 1.0 and not samples_of(motion, span).a_x.any() else 1.0
+        share = 1.0
+        if self.at_rest != 1.0 and np.max(np.abs(samples_of(motion, span).a_x)) <= self.still:
+            share = self.at_rest
         step = self.interval / FINER
-        t = step * np.arange(FINER * (acting[-1] + 2) + 1)
+        t = step * np.arange(FINER * (acting[-1] + 1) + 1)
         numbers = table(span, span[0], step, share * course(self, t))
-        label = f"a push at {len(acting)} times from {acting[0] * self.interval:.3g} s on"
+        label = f"a push at {len(acting)} times from {max(acting[0] - 3, 0) * self.interval:.3g} s on"
         return AlteredMotion(motion, numbers, kernel=_pushed, max_step=self.interval, label=label)

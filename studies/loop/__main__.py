@@ -48,8 +48,9 @@ class _Progress:
     def __call__(self, text: str) -> None:
         if not self.quiet:
             line = f"{time.monotonic() - self.start:6.1f} s  {text}"
-            end = "\r" if sys.stderr.isatty() else "\n"
-            print(line.ljust(78) if sys.stderr.isatty() else line, end=end, file=sys.stderr, flush=True)
+            # In one piece: threads may tell of two fits at once.
+            sys.stderr.write(line.ljust(78) + "\r" if sys.stderr.isatty() else line + "\n")
+            sys.stderr.flush()
 
 
 UNFINISHED = ".unfinished-"

@@ -43,7 +43,7 @@ FALL = 0.05
 """Most that a difference counts [rad]."""
 
 DRAWS = 8
-"""Of the noise of base and lean, of which the median is what it leaves open."""
+"""Of the noise of base and lean."""
 
 OF_THE_LEAN = [NormalDist().inv_cdf((d + 0.5) / DRAWS) for d in range(DRAWS)]
 """Noises of the lean over its deviation: so many equally likely ones."""
@@ -90,7 +90,7 @@ def next_test(finding: Finding) -> str:
     n = len(proposals)
     read = [[simulator.recorded(models[m], k, answers[m * n + k].theta) for k in range(n)] for m in range(2)]
     apart = np.array([_difference(*pair) for pair in zip(*read, strict=True)])
-    left = _left_open(finding, models[0], proposals, read[0])
+    left = np.max([_left_open(finding, *pair, proposals) for pair in zip(models, read, strict=True)], axis=0)
     k = int(np.argmax(apart / left))
     clearly = apart[k] >= CLEARLY * left[k]
     return (
@@ -100,8 +100,8 @@ def next_test(finding: Finding) -> str:
     )
 
 
-def _left_open(finding: Finding, model: LoopModel, proposals: Sequence[_Proposal], read: Sequence[Array]) -> Array:
-    """Rms by which each test would come out otherwise under other noise of base, lean and sensor [rad].
+def _left_open(finding: Finding, model: LoopModel, read: Sequence[Array], proposals: Sequence[_Proposal]) -> Array:
+    """Rms by which each test would come out otherwise under other noise of base, lean and sensor [rad], by a model.
 
     read: what the sensor reads without it.
     """
@@ -117,7 +117,7 @@ def _left_open(finding: Finding, model: LoopModel, proposals: Sequence[_Proposal
         _difference(noisy.recorded(model, job.test, answer.theta), read[i % n])
         for i, (job, answer) in enumerate(zip(jobs, noisy.run([model], jobs), strict=True))
     ]
-    return np.asarray(np.hypot(np.median(np.reshape(moved, (DRAWS, n)), axis=0), noise))
+    return np.sqrt(np.mean(np.square(moved).reshape(DRAWS, n), axis=0) + noise**2)
 
 
 def _repeated(finding: Finding) -> str:

@@ -57,13 +57,13 @@ def test_loops_over_runs_share_the_cores(threads, share):
     """A loop that would take eight threads by itself."""
 
     def task():
-        used = set()
+        used, together = set(), threading.Barrier(share)
 
         def work(counter, end):
+            together.wait(10.0)
             used.add(threading.get_ident())
-            time.sleep(0.01)
 
-        over_runs(work, 64, 8)
+        over_runs(work, 64 if share > 1 else 1, 8)
         return len(used)
 
     assert side_by_side([task, task], 2, threads) == [share, share]

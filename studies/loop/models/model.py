@@ -174,9 +174,10 @@ class LoopModel:
         """The model in the test of that number after its own; itself where nothing drifts."""
         if not self.varies or number == 0:
             return self
-        if number not in self._in_tests:
-            self._in_tests[number] = replace(self, number=self.number + number)
-        return self._in_tests[number]
+        known = self._in_tests  # once: of two threads that ask for the first time each may get one of its own
+        if number not in known:
+            known[number] = replace(self, number=self.number + number)
+        return known[number]
 
     @cached_property
     def varies(self) -> bool:

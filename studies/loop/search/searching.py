@@ -92,7 +92,7 @@ def traced(setup: Setup, plain: Trial, tell: Tell) -> Path:
     if floor is not None and (_enough_alone(setup, floor) or stands_alone(setup, floor.last, floor.whole)):
         return floor
     # Where a coefficient explains swings that no name explains, whole records have no name for them either.
-    by_swings = term is not None
+    by_swings = term is not None and all(pays(t.swing, term[0].swing) for t in opening.trials)
     first = floor or followed(setup, begin, pool, tell, later=True, begun=[opening], most=1, by_swings=by_swings)
     greedy: Path | None = None
     if floor is None and term is None and _floor_may_be_behind(setup, begin, opening, first):

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocking import G_STANDARD
+from rocking.altered import samples_of
 from rocking.effects.learned_push import MOST, PUSHES, LearnedPush
 from studies.loop.fits.fitting import Fit
 from studies.loop.fits.linearising import HUBER, STEP, Linear, Prior, linearised, reduced, weights_of
@@ -48,6 +49,10 @@ FEWEST_TESTS = 4
 MOST_PUSHES = 60
 """Coefficients that are fitted at the most."""
 
+STILL = 3.0
+"""How many times as far as in any release a base has to move in every test that is shaken, for a push to be told to go
+with the shaking."""
+
 CARRIED_OVER = 0.8
 """Share of what is explained that has to be explained by what other tests say."""
 
@@ -60,33 +65,45 @@ def pushing(simulator: Simulator, onto: Trial) -> tuple[Candidate, ...]:
     """
     swing, declared = onto.swing, onto.swing.model.declared
     tests = sorted({w.test for w in swing.windows})
-    if onto.costly or len(tests) < FEWEST_TESTS or any(w.accelerometers for w in swing.windows):
+    if onto.costly or PUSH in onto.effects or len(tests) < FEWEST_TESTS or any(w.accelerometers for w in swing.windows):
         return ()
-    longest = max(simulator.spans[test][1] - simulator.spans[test][0] for test in tests)
+    longest = max(float(w.times[-1]) - simulator.spans[w.test][0] for w in swing.windows)
     interval = max(longest / (MOST - 3), SHORTEST / declared.p())
     size = 0.02 * G_STANDARD * declared.alpha
     every = [Parameter(f"{PUSH}.{name}", size, -50.0 * size, 50.0 * size) for name in PUSHES]
-    every = every[: min(MOST, math.ceil(longest / interval) + 2)]
+    every = every[: min(MOST, math.ceil(longest / interval) + 3)]
     fixed = {f"{PUSH}.interval": interval}
     slopes = _slopes(simulator, swing.model.changed(fixed), every, swing.windows, interval)
     plain = linearised(simulator, swing.model, swing.parameters, swing.windows)
     shaken = {test for test in tests if simulator.tests[test].kind == "forced"}
-    found = [_best(*_of_each_test(onto, plain, slopes, tests), interval, swing)]
-    if FEWEST_TESTS <= len(shaken) < len(tests):
+    still = _still(simulator, tests)
+    found = [_best(*_of_each_test(onto, plain, slopes, tests), range(len(tests)), interval, swing)]
+    if FEWEST_TESTS <= len(shaken) < len(tests) and still is not None:
         alone = [x if w.test in shaken else 0.0 * x for x, w in zip(slopes, swing.windows, strict=True)]
-        matrices, gradients = _of_each_test(onto, plain, alone, tests)
-        kept = [k for k, test in enumerate(tests) if test in shaken]
-        found.append(_best(matrices[kept], gradients[kept], interval, swing))
+        own = [k for k, test in enumerate(tests) if test in shaken]
+        found.append(_best(*_of_each_test(onto, plain, alone, tests), own, interval, swing))
     if all(each is None for each in found):
         return ()
     worth = [-math.inf if each is None else each.worth for each in found]
     k = max(range(len(found)), key=worth.__getitem__)
     best = found[k]
     assert best is not None
-    own = tuple(every[j] for j in best.chosen)
-    fixed = {f"{PUSH}.interval": best.interval, f"{PUSH}.at_rest": 0.0 if k else 1.0}
+    fitted = tuple(every[j] for j in best.chosen)
+    fixed = {f"{PUSH}.interval": best.interval}
+    if k:
+        fixed |= {f"{PUSH}.at_rest": 0.0, f"{PUSH}.still": float(still or 0.0)}
     label = "learned[push at the same times of shaking]" if k else "learned[push at the same times]"
-    return (Candidate(label, PUSH, own, (), fixed),)
+    return (Candidate(label, PUSH, fitted, (), fixed),)
+
+
+def _still(simulator: Simulator, tests: Sequence[int]) -> float | None:
+    """Acceleration [m/s^2] between what bases do in releases, whose sensors may have recorded noise, and in tests that
+    are shaken; None where these do not move by far more."""
+    bases = {test: samples_of(simulator.bases[test], simulator.spans[test]).a_x for test in tests}
+    moved = {test: float(np.max(np.abs(a_x))) for test, a_x in bases.items()}
+    still = max((moved[test] for test in tests if simulator.tests[test].kind != "forced"), default=0.0)
+    shaken = min((moved[test] for test in tests if simulator.tests[test].kind == "forced"), default=0.0)
+    return math.sqrt(max(still, shaken / STILL**2) * shaken) if shaken > STILL * still else None
 
 
 class _Best(NamedTuple):
@@ -97,10 +114,13 @@ class _Best(NamedTuple):
     interval: float  # [s]
 
 
-def _best(matrices: Array, gradients: Array, interval: float, swing: Fit) -> _Best | None:
+def _best(
+    matrices: Array, gradients: Array, pushed: Sequence[int], interval: float, swing: Fit
+) -> _Best | None:  # fmt: skip
     """The best coefficients of intervals of all lengths; none where other tests than a test say little of them.
 
     matrices, gradients: of `_of_each_test`, of the shortest intervals.
+    pushed: which of the tests are.
     swing: the fit of the swings without a push.
     """
     best: _Best | None = None
@@ -109,7 +129,7 @@ def _best(matrices: Array, gradients: Array, interval: float, swing: Fit) -> _Be
         sums = _sums(gradients.shape[1], halving)
         coarser, by = sums.T @ matrices @ sums, gradients @ sums
         chosen, gained = _chosen(coarser.sum(axis=0), by.sum(axis=0), price)
-        pays = gained > PAYS * spread and _carries_over(coarser, by, chosen)
+        pays = gained > PAYS * spread + price * len(chosen) and _carries_over(coarser, by, chosen, pushed)
         # Of how long intervals are Akaike's criterion asks: whole records predict by them, and bear no coarse shape.
         worth = gained - 2.0 * len(chosen)
         if pays and (best is None or worth > best.worth):
@@ -125,9 +145,10 @@ def _sums(count: int, halving: int) -> Array:
     """
     sums = np.eye(count)
     for _ in range(halving):
-        shares = np.zeros((sums.shape[1], -(-sums.shape[1] // 2)))
+        # The first of either has its middle an interval of its own before the beginning.
+        shares = np.zeros((sums.shape[1], (sums.shape[1] + 2) // 2 + 1))
         for j in range(shares.shape[1]):
-            for k, share in enumerate((1.0, 4.0, 6.0, 4.0, 1.0), start=2 * j - 2):
+            for k, share in enumerate((1.0, 4.0, 6.0, 4.0, 1.0), start=2 * j - 3):
                 if 0 <= k < len(shares):
                     shares[k, j] = share / 8.0
         sums = sums @ shares
@@ -144,7 +165,7 @@ def _slopes(
     since = [(w.start - t, float(w.times[-1]) - t) for w, t in zip(windows, begun, strict=True)]
     for j, p in enumerate(every):
         models.append(model.changed({p.name: STEP * p.scale}))
-        felt = [i for i, (first, last) in enumerate(since) if last > (j - 2) * interval and first < (j + 2) * interval]
+        felt = [i for i, (first, last) in enumerate(since) if last > (j - 3) * interval and first < (j + 1) * interval]
         jobs += jobs_of([windows[i] for i in felt], j + 1)
         there += [windows[i] for i in felt]
         places += [(i, j) for i in felt]
@@ -193,25 +214,29 @@ def _chosen(matrix: Array, gradient: Array, price: float) -> tuple[list[int], fl
     shown = {int(j) for j in np.flatnonzero(np.diag(matrix) > 1e-6 * np.max(np.diag(matrix), initial=0.0))}
     chosen: list[int] = []
     gained = 0.0
-    while len(chosen) < MOST_PUSHES:
-        others = sorted(shown - {*chosen})
+
+    def with_neighbours(those: Sequence[int]) -> list[int]:
+        return sorted({j + d for j in those for d in (-1, 0, 1)} & shown)
+
+    while True:
+        others = [j for j in sorted(shown - {*chosen}) if len(with_neighbours([*chosen, j])) <= MOST_PUSHES]
         each = [_gain(matrix[np.ix_(c, c)], gradient[c]) for c in ([*chosen, j] for j in others)]
         k = int(np.argmax(each)) if each else 0
         if not each or each[k] - gained < price:
             break
         chosen.append(others[k])
         gained = each[k]
-    all_of_them = sorted({j + d for j in chosen for d in (-1, 0, 1)} & shown)
+    all_of_them = with_neighbours(chosen)
     return all_of_them, _gain(matrix[np.ix_(all_of_them, all_of_them)], gradient[all_of_them])
 
 
-def _carries_over(matrices: Array, gradients: Array, chosen: Sequence[int]) -> bool:
-    """Whether what the other tests say of a push explains a test, of all tests together."""
+def _carries_over(matrices: Array, gradients: Array, chosen: Sequence[int], pushed: Sequence[int]) -> bool:
+    """Whether what the other tests say of a push explains a test, of all tests together that are pushed."""
     at = np.ix_(chosen, chosen)
     own, g = np.array([m[at] for m in matrices]), gradients[:, chosen]
     all_of_them = _gain(own.sum(axis=0), g.sum(axis=0))
     explained = 0.0
-    for t in range(len(own)):
+    for t in pushed:
         others = np.linalg.pinv(own.sum(axis=0) - own[t], rcond=1e-8, hermitian=True) @ (g.sum(axis=0) - g[t])
         explained += float(2.0 * g[t] @ others - others @ own[t] @ others)
     return explained > CARRIED_OVER * all_of_them

@@ -79,7 +79,7 @@ PRESENT: dict[str, dict[str, float]] = {
         "used": 0.4,
     },
     "learned_mode": {"mass_ratio": 0.02, "height_ratio": 1.2, "frequency": 3.0, "damping_ratio": 0.1},
-    "learned_push": {"interval": 0.2, "at_rest": 0.5, "push_2": 0.4, "push_3": -0.7},
+    "learned_push": {"interval": 0.2, "at_rest": 0.5, "still": 0.01, "push_2": 0.4, "push_3": -0.7},
     "learned_reading": {"square": 0.1, "cubic": -0.3, "play": 0.002, "drift": 1e-3, "base": 1e-3},
     "learned_response": {"frequency": 14.0, "damping_ratio": 0.7},
     "learned_timing": {"pace": 0.01, "lag": 0.02},

@@ -25,8 +25,8 @@ def test_it_is_a_cubic_spline_of_the_time_since_the_beginning() -> None:
     """SciPy's B-spline on knots an interval apart, of a run that begins at 2 s."""
     h, c = 0.3, np.array([0.4, -0.2, 0.7, 0.0, 0.5])
     push = LearnedPush(interval=h, **{f"push_{j}": value for j, value in enumerate(c)})
-    spline = BSpline(h * np.arange(-5, c.size + 5), np.concatenate([np.zeros(3), c, np.zeros(3)]), 3)
-    t = np.linspace(0.0, h * (c.size + 0.999), 400)
+    spline = BSpline(h * np.arange(-6, c.size + 4), np.concatenate([np.zeros(3), c, np.zeros(3)]), 3)
+    t = np.linspace(0.0, h * (c.size - 0.001), 400)
     np.testing.assert_allclose(course(push, t), spline(t), rtol=1e-12, atol=1e-14)
     moved = push.base_motion(still(9.0), (2.0, 9.0), 9.81)
     # Between samples, of which there are four in an interval, lies a cubic of their values and slopes.
@@ -56,13 +56,14 @@ def test_it_acts_along_a_floor_that_is_tilted_too_in_whatever_order_they_are_giv
 
 
 def test_a_share_of_it_acts_where_the_base_is_at_rest() -> None:
-    push = LearnedPush(interval=0.2, at_rest=0.25, push_3=1.5)
+    """The base of a release whose sensor recorded noise is at rest too, one that is shaken is not."""
+    push = LearnedPush(interval=0.2, at_rest=0.25, still=0.1, push_3=1.5)
     t = np.linspace(0.0, 2.0, 101)
-    np.testing.assert_allclose(
-        felt(push.base_motion(still(2.0), (0.0, 2.0), 9.81), t), 0.25 * course(push, t), atol=1e-3
-    )
-    shaking = SampledMotion(STEP, 1e-6 * np.sin(STEP * np.arange(401)))
-    np.testing.assert_allclose(felt(push.base_motion(shaking, (0.0, 2.0), 9.81), t), course(push, t), atol=4e-3)
+    noise = SampledMotion(STEP, 0.02 * np.random.default_rng(1).standard_normal(401))
+    shaking = SampledMotion(STEP, 0.2 * np.sin(STEP * np.arange(401)))
+    for below, share in ((still(2.0), 0.25), (noise, 0.25), (shaking, 1.0)):
+        pushed = felt(push.base_motion(below, (0.0, 2.0), 9.81), t) - felt(below, t)
+        np.testing.assert_allclose(pushed, share * course(push, t), atol=4e-3)
 
 
 def test_without_a_coefficient_it_is_the_motion() -> None:
@@ -78,4 +79,4 @@ def test_what_is_no_interval_is_refused(interval: float) -> None:
 
 def test_it_tells_the_coefficients_that_are_given() -> None:
     assert repr(LearnedPush(interval=0.2, push_5=0.3)) == "LearnedPush(interval=0.2, push_5=0.3)"
-    assert len(LearnedPush.parameter_names()) == MOST + 1
+    assert len(LearnedPush.parameter_names()) == MOST + 3

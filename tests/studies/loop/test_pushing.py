@@ -41,14 +41,15 @@ def decays(
 
 
 def shaken(gusts: Sequence[Sequence[tuple[float, float, float]]]) -> tuple[Simulator, Trial]:
-    """Releases without gusts, and runs on a base that is shaken at 2 Hz with these."""
+    """Releases without gusts, of whose base noise is recorded, and runs on a base that is shaken at 2 Hz with these."""
     rng, tests = np.random.default_rng(5), []
     time, zero = STEP * np.arange(1501), np.zeros(1501)
     channels = Channel("rotation", "rotation", NOISE), Channel("base", "base_acceleration_x", 0.01)
     for k, lean in enumerate(LEANS[:3]):
         run = event.simulate(IDEAL, still(), STEP, 1, lean)
         read = run.rotation + NOISE * rng.standard_normal(run.rotation.size)
-        tests.append(Test(f"free-{k}", "free", run.time, channels[:1], {"rotation": read}))
+        said = {"rotation": read, "base": 0.01 * rng.standard_normal(time.size)}
+        tests.append(Test(f"free-{k}", "free", run.time, channels, said))
     for k, blows in enumerate(gusts):
         base = (4.0 + 0.2 * k) * np.sin(4.0 * np.pi * time) * np.minimum(time / 1.5, 1.0)
         air = table.Table(gusts=tuple(blows)).on_top(base, STEP)
@@ -130,12 +131,13 @@ def test_few_tests_say_nothing_of_what_all_have() -> None:
 
 @pytest.mark.parametrize("halving", [0, 1, 2])
 def test_longer_intervals_are_sums_of_short_ones(halving: int) -> None:
-    """SciPy's B-splines of either length, away from the ends."""
+    """SciPy's B-splines of either length, from the beginning to where the last swing ends."""
     sums, longer = _sums(40, halving), 2**halving
-    t = np.linspace(0.0, 39.0, 500)
-    short = np.array([_basis(t - j) for j in range(40)])
-    for j in range(2, 40 // longer - 2):
-        np.testing.assert_allclose(sums[:, j] @ short, _basis(t / longer - j), atol=1e-12)
+    t = np.linspace(0.0, 37.0, 500)
+    short = np.array([_basis(t - (j - 1)) for j in range(40)])
+    for j in range(sums.shape[1]):
+        np.testing.assert_allclose(sums[:, j] @ short, _basis(t / longer - (j - 1)), atol=1e-12)
+    assert np.all(_basis(t / longer - (sums.shape[1] - 1)) == 0.0)  # of one more there would be nothing
 
 
 def _basis(x: np.ndarray) -> np.ndarray:
@@ -146,5 +148,19 @@ def _basis(x: np.ndarray) -> np.ndarray:
 def test_what_one_test_alone_says_is_not_carried_over() -> None:
     """Normal equations by hand: six tests that say 1 each, or one that says 6 and five that say nothing against it."""
     matrices = np.ones((6, 1, 1))
-    assert pushing_module._carries_over(matrices, np.ones((6, 1)), [0])
-    assert not pushing_module._carries_over(matrices, np.array([[6.0], *[[0.0]] * 5]), [0])
+    assert pushing_module._carries_over(matrices, np.ones((6, 1)), [0], range(6))
+    assert not pushing_module._carries_over(matrices, np.array([[6.0], *[[0.0]] * 5]), [0], range(6))
+
+
+def test_no_more_coefficients_are_chosen_than_are_to_be_fitted_with_those_beside_them(monkeypatch):
+    """Of a hundred that say the same each."""
+    monkeypatch.setattr(pushing_module, "MOST_PUSHES", 20)
+    chosen, _ = pushing_module._chosen(np.eye(100), np.full(100, 10.0), 9.0)
+    assert 18 <= len(chosen) <= 20
+
+
+def test_a_push_is_not_asked_beside_another_one():
+    simulator, plain = decays([GUSTS] * len(LEANS))
+    [candidate] = pushing(simulator, plain)
+    [trial] = search(simulator, plain, [candidate]).trials
+    assert pushing(simulator, trial) == ()

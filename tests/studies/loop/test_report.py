@@ -297,7 +297,7 @@ def test_a_push_is_drawn_over_the_longest_test():
     [curve] = retold({"learned_push.interval": 0.5, "learned_push.push_3": 0.3}, np.diag([1e-4])).learned
     longest = max(float(record.time[-1] - record.time[0]) for record in found.tilted().setup.records)
     assert curve.x[0] == 0.0 and curve.x[-1] == longest and curve.x_label == "time since the test began [s]"
-    np.testing.assert_allclose(np.interp([1.0, 1.5, 2.0], curve.x, curve.y), [0.05, 0.2, 0.05], rtol=1e-2)
+    np.testing.assert_allclose(np.interp([0.5, 1.0, 1.5], curve.x, curve.y), [0.05, 0.2, 0.05], rtol=1e-2)
     np.testing.assert_allclose(curve.high - curve.y, 1.96 * 1e-2 / 0.3 * np.abs(curve.y), rtol=1e-9, atol=1e-15)
 
 

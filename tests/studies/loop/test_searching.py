@@ -739,7 +739,7 @@ def test_no_floor_is_asked_where_one_coefficient_without_a_name_leaves_nothing(s
     springs.promises, springs.explains = True, False
     springs.trials = {(): [path_of("a", chi2=1000.0)]}
     springs.accepted[((), False)] = path_of("springs", costly=True, chi2=100.0)
-    coefficient, other, seen = (object(), object()), object(), []
+    coefficient, other, seen = (path_of("term", chi2=500.0), object()), object(), []
 
     def without_names(setup, plain, first, pool, found, tell):
         seen.append((first.last.names, found))
@@ -754,11 +754,17 @@ def test_no_floor_is_asked_where_one_coefficient_without_a_name_leaves_nothing(s
 def test_whole_records_are_asked_after_all_where_names_stay_beside_such_a_coefficient(ways, monkeypatch):
     ways.trials = {(): [path_of("a", chi2=1000.0)]}
     ways.accepted, ways.explains = {((), True): path_of("a")}, False
-    monkeypatch.setattr(searching, "_coefficient", lambda setup, plain, lead: (object(), object()))
+    term = path_of("term", chi2=900.0), object()
+    monkeypatch.setattr(searching, "_coefficient", lambda setup, plain, lead: term)
     monkeypatch.setattr(searching, "_without_names", lambda *_: None)
     searching.traced(setup_of(True), path_of(chi2=2000.0), lambda text: None)
     assert ways.by_swings[:2] == [True, False] and not any(ways.by_swings[2:])
     assert ways.rounds[:2] == [((), True, True)] * 2
+    # Where swings do not tell a name from the coefficient, whole records are asked at once.
+    term[0].swing.chi2 = 950.0
+    ways.by_swings.clear()
+    searching.traced(setup_of(True), path_of(chi2=2000.0), lambda text: None)
+    assert not any(ways.by_swings)
 
 
 def test_one_effect_that_slips_puts_no_floor_off(ways):
