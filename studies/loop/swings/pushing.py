@@ -5,9 +5,10 @@ so that one linearisation says what all of them explain together, and those of l
 them; the few that explain most for their number are fitted like anything else.  Any effect that a model lacks repeats
 itself where tests do, at the same times then: what the others say of a test has to explain that one.
 
-Source   forward selection: Miller (2002), Subset Selection in Regression, ch. 3; length of intervals: Akaike (1974),
-         IEEE Trans. Autom. Control 19, 716-723; B-splines as sums of finer ones: de Boor, A practical guide to splines
-         (1978); tests left out in turn: Stone (1974), J. R. Stat. Soc. B 36, 111-147.
+Source   forward selection: Miller (2002), Subset Selection in Regression, ch. 3; its price: Chen & Chen (2008),
+         Biometrika 95, 759-771; length of intervals: Akaike (1974), IEEE Trans. Autom. Control 19, 716-723; B-splines
+         as sums of finer ones: de Boor, A practical guide to splines (1978); tests left out in turn: Stone (1974),
+         J. R. Stat. Soc. B 36, 111-147.
 Status   gusts of a laboratory's fan are found, and none in campaigns where something else acts (tests)
 """
 
@@ -209,7 +210,8 @@ def _chosen(matrix: Array, gradient: Array, price: float) -> tuple[list[int], fl
     """Coefficients that are worth their price, chosen one after the other, with those beside them; what chi-square
     falls by.
 
-    A push is not over at once: whole records show what a swing does not of how it begins and ends.
+    A push is not over at once: whole records show what a swing does not of how it begins and ends.  Of many coefficients
+    that are nothing one is worth the price of a single one by chance.
     """
     shown = {int(j) for j in np.flatnonzero(np.diag(matrix) > 1e-6 * np.max(np.diag(matrix), initial=0.0))}
     chosen: list[int] = []
@@ -222,7 +224,7 @@ def _chosen(matrix: Array, gradient: Array, price: float) -> tuple[list[int], fl
         others = [j for j in sorted(shown - {*chosen}) if len(with_neighbours([*chosen, j])) <= MOST_PUSHES]
         each = [_gain(matrix[np.ix_(c, c)], gradient[c]) for c in ([*chosen, j] for j in others)]
         k = int(np.argmax(each)) if each else 0
-        if not each or each[k] - gained < price:
+        if not each or each[k] - gained < price + 2.0 * math.log(len(shown)):
             break
         chosen.append(others[k])
         gained = each[k]
