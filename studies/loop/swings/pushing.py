@@ -210,8 +210,8 @@ def _chosen(matrix: Array, gradient: Array, price: float) -> tuple[list[int], fl
     """Coefficients that are worth their price, chosen one after the other, with those beside them; what chi-square
     falls by.
 
-    A push is not over at once: whole records show what a swing does not of how it begins and ends.  Of many coefficients
-    that are nothing one is worth the price of a single one by chance.
+    A push is not over at once: whole records show what a swing does not of how it begins and ends.  Of many
+    coefficients that are nothing one is worth the price of a single one by chance.
     """
     shown = {int(j) for j in np.flatnonzero(np.diag(matrix) > 1e-6 * np.max(np.diag(matrix), initial=0.0))}
     chosen: list[int] = []
