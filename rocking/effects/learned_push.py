@@ -2,7 +2,7 @@
 
 Adds        a_x += c(t): what pushes the whole block to -x with c times its mass is an acceleration of the base to +x;
             c is a cubic spline over equal intervals from the beginning of the run on, zero after the last of them
-Parameters  interval, between knots [s]; push_0 ..., up to `MOST`, coefficients of c [m/s^2]: those of B-splines, the
+Parameters  interval, between knots [s]; push_0 ..., 128 at the most, coefficients of c [m/s^2]: of B-splines, the
             first of which has its middle an interval before the beginning; 0 where absent; at_rest, share of it that
             acts where the base never moves by more than still [m/s^2], 0 of what goes with the shaking [1]
 Use when    something acts at the same times of every test: a fan that is switched on, a drive that kicks before the
