@@ -90,7 +90,7 @@ def next_test(finding: Finding) -> str:
     n = len(proposals)
     read = [[simulator.recorded(models[m], k, answers[m * n + k].theta) for k in range(n)] for m in range(2)]
     apart = np.array([_difference(*pair) for pair in zip(*read, strict=True)])
-    left = np.max([_left_open(finding, *pair, proposals) for pair in zip(models, read, strict=True)], axis=0)
+    left = _left_open(finding, models, read, proposals)
     k = int(np.argmax(apart / left))
     clearly = apart[k] >= CLEARLY * left[k]
     return (
@@ -100,24 +100,30 @@ def next_test(finding: Finding) -> str:
     )
 
 
-def _left_open(finding: Finding, model: LoopModel, read: Sequence[Array], proposals: Sequence[_Proposal]) -> Array:
-    """Rms by which each test would come out otherwise under other noise of base, lean and sensor [rad], by a model.
+def _left_open(
+    finding: Finding, models: Sequence[LoopModel], read: Sequence[Sequence[Array]], proposals: Sequence[_Proposal]
+) -> Array:
+    """Rms by which each test would come out otherwise under other noise of base, lean and sensor [rad], shape (test,).
 
-    read: what the sensor reads without it.
+    By the model that leaves more open.
+
+    read: what the sensor reads without it, by model and test.
     """
     rng, noise, n = np.random.default_rng(0), _noise(finding), len(proposals)
     tests, sds = [p.test for p in proposals], np.array([p.noise for p in proposals])
     again = [test for _ in range(DRAWS) for test in with_base_noise(tests, sds, rng)]
     noisy, jobs = Simulator(again, numbers=[0] * len(again)), []
-    for i in range(len(again)):
-        p = proposals[i % n]
-        lean = p.lean + noise * OF_THE_LEAN[i // n] if p.test.kind == "free" else p.lean
-        jobs.append(Job(0, i, p.test.time, float(p.test.time[0]), lean))
+    for m in range(len(models)):
+        for i in range(len(again)):
+            p = proposals[i % n]
+            lean = p.lean + noise * OF_THE_LEAN[i // n] if p.test.kind == "free" else p.lean
+            jobs.append(Job(m, i, p.test.time, float(p.test.time[0]), lean))
     moved = [
-        _difference(noisy.recorded(model, job.test, answer.theta), read[i % n])
-        for i, (job, answer) in enumerate(zip(jobs, noisy.run([model], jobs), strict=True))
+        _difference(noisy.recorded(models[job.model], job.test, answer.theta), read[job.model][job.test % n])
+        for job, answer in zip(jobs, noisy.run(models, jobs), strict=True)
     ]
-    return np.sqrt(np.mean(np.square(moved).reshape(DRAWS, n), axis=0) + noise**2)
+    by_model = np.mean(np.square(moved).reshape(len(models), DRAWS, n), axis=1)
+    return np.asarray(np.sqrt(by_model.max(axis=0) + noise**2))
 
 
 def _repeated(finding: Finding) -> str:

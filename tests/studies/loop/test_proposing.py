@@ -56,7 +56,7 @@ def test_a_test_is_judged_by_what_noise_leaves_open_there():
         ])] for step in (0.0, small)
     ]  # fmt: skip
     slopes = np.array([np.sqrt(np.mean((b - a) ** 2)) / small for a, b in zip(*read, strict=True)])
-    left = _left_open(finding, finding.after, read[0], proposals)
+    left = _left_open(finding, [finding.after], read[:1], proposals)
     of_the_lean = np.sqrt(left**2 - noise**2) / (noise * slopes)
     np.testing.assert_allclose(of_the_lean, 0.9226, rtol=0.1)
     both = dataclasses.replace(finding, verdict="unexplained")  # the tilt, or none
