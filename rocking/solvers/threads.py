@@ -69,7 +69,7 @@ def side_by_side(tasks: Sequence[Callable[[], T]], workers: int, threads: int) -
 
     Raises:
         KeyboardInterrupt: Ctrl-C; tasks under way end after the run, or piece of runs, that they are at.
-        Exception: what the first task that failed raised.
+        Exception: what a task raised, of several that failed the first in time.
     """
     workers = min(workers, threads, len(tasks))
     if workers < 2 or _this.share is not None:

@@ -323,13 +323,12 @@ def _splines(settled: Settled) -> list[_Part]:
 
 def _pushed(setup: Setup, settled: Settled, held: Mapping[str, int]) -> Curve:
     """What pushes at the same times of every test."""
-    own_effect = settled.whole.model.effects[PUSH]
-    interval = own_effect["interval"]
+    fixed = settled.whole.model.effects[PUSH]
     own = [name for name in PUSHES if f"{PUSH}.{name}" in held]
-    ones = {name: LearnedPush(interval=interval, **{name: 1.0}) for name in own}
+    ones = {name: LearnedPush(interval=fixed["interval"], **{name: 1.0}) for name in own}
     functions = {f"{PUSH}.{name}": lambda x, one=one: course(one, x) for name, one in ones.items()}
     part = _Part(
-        "Push at the same times of every test" + ("" if own_effect.get("at_rest", 1.0) else " that is shaken"),
+        "Push at the same times of every test" + ("" if fixed.get("at_rest", 1.0) else " that is shaken"),
         "A force on the whole block to -x over its mass, as much as an acceleration of the base to +x.",
         "time since the test began [s]", "acceleration [m/s²]", functions, PUSH,
     )  # fmt: skip

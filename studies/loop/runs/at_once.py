@@ -27,6 +27,6 @@ def at_once(tasks: Sequence[Callable[[], T]]) -> list[T]:
 
     Raises:
         KeyboardInterrupt: Ctrl-C, after the runs that are under way.
-        Exception: what the first task that failed raised.
+        Exception: what a task raised, of several that failed the first in time.
     """
     return side_by_side(tasks, AT_ONCE, get_num_threads())

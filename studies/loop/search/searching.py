@@ -377,8 +377,8 @@ def _form_in_place(
             if bic(form.swing) > min(bic(path.last.swing) - PAYS, bic(forms[0].swing) + PAYS):
                 break
             found = _enough(setup, form)
-            if found is None and refused and _leads(setup, path, form):
-                found = form, whole_fit(setup, form)
+            if found is None and refused:
+                found = _far_ahead(setup, path, form)
             if found is None or explains_more(setup, path.whole, found[1]):
                 continue
             if best is None or explains_more(setup, found[1], best[1]):
@@ -391,12 +391,13 @@ def _form_in_place(
     return None
 
 
-def _leads(setup: Setup, path: Path, form: Trial) -> bool:
-    """Whether a form leaves no more of swings than chance would, where a path leaves structure, and whole records
-    prefer it by far."""
+def _far_ahead(setup: Setup, path: Path, form: Trial) -> tuple[Trial, Fit] | None:
+    """A form with its fit on whole records, if it leaves no more of swings than chance would, where a path leaves
+    structure, and whole records prefer it by far."""
     if not by_chance(setup, form) or over_noise(setup, path.last) <= unexplained(setup):
-        return False
-    return explains_more(setup, whole_fit(setup, form), path.whole)
+        return None
+    whole = whole_fit(setup, form)
+    return (form, whole) if explains_more(setup, whole, path.whole) else None
 
 
 def _term_ahead(setup: Setup, path: Path, rounds: Sequence[Round], lead: Lead) -> Trial | None:

@@ -46,6 +46,23 @@ def test_a_block_that_is_pushed_moves_as_on_a_base_that_is_accelerated() -> None
     np.testing.assert_allclose(by_push.theta, by_base.theta, rtol=0.0, atol=2e-4 * np.max(np.abs(by_base.theta)))
 
 
+@pytest.mark.parametrize("share", [0.9, 1.0, 1.1])
+def test_a_steady_force_through_the_centre_of_mass_holds_a_block_that_leans(share: float) -> None:
+    """Moments about the corner, by hand: m g R sin(alpha - theta) = F R cos(alpha - theta), F to the side of the lean.
+
+    What pushes less lets it fall back, what pushes more tips it over.
+    """
+    block, lean = Block(0.2, 0.6, 0.3, 2000.0), 0.1
+    method = Method1(block)
+    force_over_mass = share * method.g * np.tan(block.alpha - lean)  # to +x
+    push = LearnedPush(interval=0.1, **{f"push_{j}": -force_over_mass for j in range(20)})
+    end = solve(method, still(0.4), t_end=0.4, theta=lean, save_at=[0.4], effects=[push]).theta[0]
+    if share == 1.0:
+        assert end == pytest.approx(lean, abs=1e-7)
+    else:
+        assert (end - lean) * (share - 1.0) > 1e-4
+
+
 def test_it_acts_along_a_floor_that_is_tilted_too_in_whatever_order_they_are_given() -> None:
     effects = [load("base_tilt")(angle=0.1), LearnedPush(interval=0.2, push_3=1.5)]
     t = np.linspace(0.0, 2.0, 101)

@@ -77,7 +77,7 @@ def test_gusts_at_the_same_times_are_found() -> None:
     t = np.arange(0.0, 4.5, 0.01)
     width = np.hanning(51) / np.hanning(51).sum()
     found, planted = (np.convolve(c, width, "same")[25:-25] for c in (course(effect, t), blown(t)))
-    np.testing.assert_allclose(found, planted, rtol=0.0, atol=0.1 * np.max(np.abs(planted)))
+    np.testing.assert_allclose(found, planted, rtol=0.0, atol=0.05 * np.max(np.abs(planted)))
 
 
 @pytest.mark.slow
