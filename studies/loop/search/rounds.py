@@ -152,12 +152,16 @@ def stands_alone(setup: Setup, trial: Trial, whole: Fit) -> bool:
 
 
 def searched(setup: Setup, onto: Trial, pool: Sequence[Candidate], tell: Tell, later: bool) -> Round:
-    """What swings say of a pool on top of a trial; later: whether candidates whose runs take long are left out."""
+    """What swings say of a pool on top of a trial; later: whether candidates whose runs take long are left out.
+
+    Of the calibrated block everything is refitted: that nothing is found there is a finding.
+    """
 
     def explained(trial: Trial) -> bool:
         return nothing_of_swings(setup, trial)
 
-    return search(setup.simulator, onto, pool, tell, explained=explained, later=later)
+    chance = bool(onto.parts) and by_chance(setup, onto)
+    return search(setup.simulator, onto, pool, tell, explained=explained, later=later, by_chance=chance)
 
 
 def _round(

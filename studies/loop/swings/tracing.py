@@ -47,6 +47,16 @@ SHORTLIST = 8
 NEAR = 0.02
 """What near means: this share of the best score."""
 
+TOO_LITTLE = 0.1
+"""Of what nothing but chance is left of, a score is what a refit gains: below this share of `PAYS` it is neither an
+effect nor a hint of one."""
+
+FEW = 3
+"""So many of those are refitted nonetheless, the first by their scores: whole records may be asked for them."""
+
+NOTHING_OF_SOME = "explains nothing of some swings, of which no more is left than chance leaves"
+"""Why what has no score goes no further there."""
+
 MOST_COSTLY = 3
 """Candidates on top of a trial whose runs take long that are fitted to all windows: those that explain most on some."""
 
@@ -102,6 +112,7 @@ def search(
     explained: Callable[[Trial], bool] = lambda trial: False,
     later: bool = False,
     leading: bool = False,
+    by_chance: bool = False,
 ) -> Round:
     """Refit every candidate that may pay on top of a trial, those that lead nowhere not to the end.
 
@@ -114,18 +125,21 @@ def search(
     later: whether they are put off in any case.
     leading: whether the best alone is asked for; some windows are enough for scores then, and candidates that are far
         behind on these go no further.
+    by_chance: whether the trial leaves no more of swings than chance does; then scores say what refits gain, and what
+        is far from paying is not refitted, but for the first few.
     """
     found = Round(onto)
     open_to_it = [c for c in pool if c.in_swings and (repeated or c.effect not in onto.effects)]
     found.scores |= _scores(simulator, onto, [c for c in open_to_it if c.smooth], some=leading)
     ranked = sorted(found.scores.items(), key=lambda item: -item[1])
     enough = NEAR * ranked[0][1] if ranked else 0.0
-    chosen = {name for k, (name, score) in enumerate(ranked) if k < SHORTLIST or score > enough}
+    at_least, enough = (FEW, max(enough, TOO_LITTLE * PAYS)) if by_chance else (SHORTLIST, enough)
+    chosen = {name for k, (name, score) in enumerate(ranked) if k < at_least or score > enough}
     for candidate in open_to_it:
         if candidate.smooth and candidate.name not in chosen:
             found.skipped[candidate.name] = f"score {found.scores.get(candidate.name, 0.0):.3g}"
     tried = [c for c in open_to_it if c.name not in found.skipped]
-    _fitted(simulator, [c for c in tried if not c.costly], found, tell, leading)
+    _fitted(simulator, [c for c in tried if not c.costly], found, tell, leading, by_chance)
     found.put_off = tuple(c for c in tried if c.costly)
     already = next((t for t in (onto, *found.trials) if found.put_off and explained(t)), None)
     if already is not None:
@@ -226,11 +240,16 @@ def floor_promises(simulator: Simulator, found: Round, tell: Callable[[str], Non
 
 def _fitted(
     simulator: Simulator, candidates: Sequence[Candidate], found: Round, tell: Callable[[str], None],
-    leading: bool = False,
+    leading: bool = False, by_chance: bool = False,
 ) -> None:  # fmt: skip
     """Add trials with one of the candidates each to the round, or why there is none."""
     onto = found.onto
     firsts = _begun(simulator, candidates, found, tell)
+    if by_chance:
+        found.skipped |= {
+            c.name: NOTHING_OF_SOME for c, first in firsts if not c.smooth and first.gained <= NOTHING * PAYS
+        }
+        firsts = [(c, first) for c, first in firsts if c.name not in found.skipped]
     firsts = _promising(onto, firsts, found)
     if leading and firsts:
         most = max(first.gained for _, first in firsts)
