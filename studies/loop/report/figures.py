@@ -26,6 +26,10 @@ STYLE: dict[Any, Any] = {"font.size": 9.0, "axes.spines.top": False, "axes.spine
 MOST_SAMPLES = 2500
 BINS = 9
 
+LEFT, RIGHT, BOTTOM, TOP, LABEL = 1.15, 0.12, 0.48, 0.3, 0.68
+"""Margins of a history, and how far its labels are from its axes [inch]: to lay out each anew takes as long as to draw
+it, and so all of them have the same scale."""
+
 
 def svg(figure: Figure) -> str:
     """The figure as a data URI."""
@@ -43,8 +47,11 @@ def history(test: xr.Dataset, *, wide: bool) -> str:
     base = test.get("base_acceleration_x")
     ratios = [2.2, 1.2] + ([0.7] if base is not None else [])
     with rc_context(STYLE):
-        figure = new_figure(9.6 if wide else 4.2, 1.05 * sum(ratios) + 0.4)
-        axes = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios)
+        width, height = 9.6 if wide else 4.2, 1.05 * sum(ratios) + 0.4
+        figure = Figure(figsize=(width, height))
+        sides = {"left": LEFT / width, "right": 1.0 - RIGHT / width}
+        ends = {"bottom": BOTTOM / height, "top": 1.0 - TOP / height, "hspace": 0.12}
+        axes = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios, gridspec_kw=sides | ends)
         t, shown = _moving(test)
         _rotations(axes[0], test, t, shown)
         _residuals(axes[1], test, t, shown)
@@ -53,7 +60,8 @@ def history(test: xr.Dataset, *, wide: bool) -> str:
             axes[2].set_ylabel("base [m/s²]" if wide else "base\n[m/s²]")
         axes[-1].set_xlabel("time [s]")
         axes[-1].margins(x=0.0)
-        figure.align_ylabels(axes)
+        for ax in axes:
+            ax.yaxis.set_label_coords(-LABEL / (width - LEFT - RIGHT), 0.5)
         return svg(figure)
 
 

@@ -130,7 +130,8 @@ def stubs(monkeypatch):
         tried=[], asked=[], whole={"floor": whole(1.0, 1.2), "tilt": whole(30.0, 40.0)}, confirmed={}
     )
 
-    def search(_, onto, pool, tell, explained, later):
+    def search(_, onto, pool, tell, explained, later, by_chance):
+        told.by_chance = by_chance
         told.explained = [t.names for t in (PLAIN, TILT, sliding(1.0, 1.2), sliding(1.0, 1.0)) if explained(t)]
         return Round(onto, [TILT], put_off=("floor",))
 
@@ -213,6 +214,13 @@ def test_floors_are_tried_after_all_where_swings_are_explained_and_whole_records
 def test_floors_are_tried_after_all_where_what_stands_leaves_something_in_the_swings(stubs):
     _, accepted, _ = one_round(1.5, 1.5, onto=trial("", 1000.0, 1.2))
     assert stubs.tried == ["floor"] and accepted[0] is FLOOR
+
+
+def test_what_scores_say_is_enough_on_top_of_an_effect_that_leaves_nothing_but_chance(stubs, monkeypatch):
+    for onto, chance, enough in ((TILT, True, True), (TILT, False, False), (PLAIN, True, False)):
+        monkeypatch.setattr(rounds, "by_chance", lambda _, t, onto=onto, chance=chance: chance and t is onto)
+        one_round(1.0, onto=onto)
+        assert stubs.by_chance is enough
 
 
 def test_accelerometers_ask_no_whole_records(stubs):
@@ -354,7 +362,7 @@ def test_what_runs_long_is_put_off_by_name_and_tried_when_asked(monkeypatch):
 
     fitted = []
 
-    def fit(simulator, candidates, found, tell, leading=False):
+    def fit(simulator, candidates, found, tell, *how):
         fitted.extend(c.name for c in candidates)
         found.trials += [trial(c.name, 500.0, 1.0) for c in candidates]
 
@@ -383,7 +391,7 @@ def test_what_runs_long_is_put_off_by_name_and_tried_when_asked(monkeypatch):
 def test_a_corner_that_bounces_is_not_tried_where_a_softer_floor_leaves_nothing(monkeypatch, stiffness, over, tried):
     fitted = []
 
-    def fit(simulator, candidates, found, tell, leading=False):
+    def fit(simulator, candidates, found, tell, *how):
         for c in candidates:
             fitted.append(c.name)
             swing = SimpleNamespace(over=over, model=SimpleNamespace(get=lambda name: stiffness))
@@ -446,7 +454,7 @@ def test_corners_found_harder_than_compliant_ones_are_tried_by_the_other_name(mo
     pool = pool_of(model)
     plain = LoopModel(model.declared, 0.88, {}, 9.81)
 
-    def fit(simulator, candidates, found, tell, leading=False):
+    def fit(simulator, candidates, found, tell, *how):
         for c in candidates:
             at = model if c.effect == "compliant_base" else plain.changed({**c.fixed, **c.starts[0]})
             swing = SimpleNamespace(chi2=200.0 if c.effect == "compliant_base" else own, model=at, windows=())
