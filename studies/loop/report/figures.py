@@ -15,6 +15,7 @@ import numpy as np
 import xarray as xr
 from matplotlib import rc_context
 from matplotlib.figure import Figure
+from matplotlib.transforms import blended_transform_factory
 from numpy.typing import NDArray
 
 from studies.running.plot import new_figure
@@ -26,7 +27,7 @@ STYLE: dict[Any, Any] = {"font.size": 9.0, "axes.spines.top": False, "axes.spine
 MOST_SAMPLES = 2500
 BINS = 9
 
-LEFT, RIGHT, BOTTOM, TOP, LABEL = 1.15, 0.12, 0.48, 0.3, 0.68
+LEFT, RIGHT, BOTTOM, TOP, LABEL = 1.24, 0.12, 0.48, 0.3, 0.76
 """Margins of a history, and how far its labels are from its axes [inch]: to lay out each anew takes as long as to draw
 it, and so all of them have the same scale."""
 
@@ -50,7 +51,7 @@ def history(test: xr.Dataset, *, wide: bool) -> str:
         width, height = 9.6 if wide else 4.2, 1.05 * sum(ratios) + 0.4
         figure = Figure(figsize=(width, height))
         sides = {"left": LEFT / width, "right": 1.0 - RIGHT / width}
-        ends = {"bottom": BOTTOM / height, "top": 1.0 - TOP / height, "hspace": 0.12}
+        ends = {"bottom": BOTTOM / height, "top": 1.0 - TOP / height, "hspace": 0.2}
         axes = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios, gridspec_kw=sides | ends)
         t, shown = _moving(test)
         _rotations(axes[0], test, t, shown)
@@ -96,8 +97,10 @@ def _rotations(ax: Any, test: xr.Dataset, t: Array, shown: NDArray[np.intp]) -> 
     ax.set_ylim(-limit, limit)
     ax.set_ylabel(label)
     ax.grid(alpha=0.25)
-    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False, fontsize=8.5, handlelength=1.5,
-              columnspacing=1.2)  # fmt: skip
+    # About the middle of the picture: over narrow axes it would reach beyond it.
+    middle = blended_transform_factory(ax.figure.transFigure, ax.transAxes)
+    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), bbox_transform=middle, ncols=3, frameon=False,
+              fontsize=8.5, handlelength=1.5, columnspacing=1.2)  # fmt: skip
 
 
 def _residuals(ax: Any, test: xr.Dataset, t: Array, shown: NDArray[np.intp]) -> None:
