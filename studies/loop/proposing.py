@@ -90,40 +90,67 @@ def next_test(finding: Finding) -> str:
     n = len(proposals)
     read = [[simulator.recorded(models[m], k, answers[m * n + k].theta) for k in range(n)] for m in range(2)]
     apart = np.array([_difference(*pair) for pair in zip(*read, strict=True)])
-    left = _left_open(finding, models, read, proposals)
-    k = int(np.argmax(apart / left))
-    clearly = apart[k] >= CLEARLY * left[k]
+    k, left = _most_telling(finding, models, read, proposals, apart)
+    clearly = apart[k] >= CLEARLY * left
     return (
         f"{proposals[k].words}: {question.words} then differ by {apart[k]:.2g} rad rms, "
-        f"{apart[k] / left[k]:.{0 if clearly else 1}f} times what the noise of the sensors leaves open there"
+        f"{apart[k] / left:.{0 if clearly else 1}f} times what the noise of the sensors leaves open there"
         + ("." if clearly else "; of releases from other leans and these motions at other sizes none tells more.")
     )
 
 
+def _most_telling(
+    finding: Finding, models: Sequence[LoopModel], read: Sequence[Sequence[Array]], proposals: Sequence[_Proposal],
+    apart: Array,
+) -> tuple[int, float]:  # fmt: skip
+    """The test in which the models are furthest apart over what noise leaves open, and how much that is [rad].
+
+    The sensor alone leaves its noise open, so that no test tells more than its difference over that; one of which this
+    is less than another one tells need not be run under other noise.
+
+    read: what the sensor reads without other noise, by model and test.
+    apart: rms difference of the models [rad], shape (test,).
+    """
+    again, noise = _again(proposals), _noise(finding)
+    best, most, its_left = 0, -math.inf, noise
+    for k in np.argsort(-apart, kind="stable").tolist():
+        if apart[k] / noise < most:
+            break
+        left = _left_open(again[k], proposals[k], noise, models, [own[k] for own in read])
+        told = float(apart[k]) / left
+        if told > most or (told == most and k < best):
+            best, most, its_left = k, told, left
+    return best, its_left
+
+
+def _again(proposals: Sequence[_Proposal]) -> list[list[Test]]:
+    """Each of the tests under every draw of the noise of its base sensor."""
+    rng, sds = np.random.default_rng(0), np.array([p.noise for p in proposals])
+    by_draw = [with_base_noise([p.test for p in proposals], sds, rng) for _ in range(DRAWS)]
+    return [list(tests) for tests in zip(*by_draw, strict=True)]
+
+
 def _left_open(
-    finding: Finding, models: Sequence[LoopModel], read: Sequence[Sequence[Array]], proposals: Sequence[_Proposal]
-) -> Array:
-    """Rms by which each test would come out otherwise under other noise of base, lean and sensor [rad], shape (test,).
+    tests: Sequence[Test], proposal: _Proposal, noise: float, models: Sequence[LoopModel], read: Sequence[Array]
+) -> float:
+    """Rms by which a test would come out otherwise under other noise of base, lean and sensor [rad].
 
     By the model that leaves more open.
 
-    read: what the sensor reads without it, by model and test.
+    tests: it, under draws of the noise of its base.
+    noise: of the rotation sensor [rad].
+    read: what the sensor reads without other noise, by model.
     """
-    rng, noise, n = np.random.default_rng(0), _noise(finding), len(proposals)
-    tests, sds = [p.test for p in proposals], np.array([p.noise for p in proposals])
-    again = [test for _ in range(DRAWS) for test in with_base_noise(tests, sds, rng)]
-    noisy, jobs = Simulator(again, numbers=[0] * len(again)), []
-    for m in range(len(models)):
-        for i in range(len(again)):
-            p = proposals[i % n]
-            lean = p.lean + noise * OF_THE_LEAN[i // n] if p.test.kind == "free" else p.lean
-            jobs.append(Job(m, i, p.test.time, float(p.test.time[0]), lean))
+    noisy = Simulator(tests, numbers=[0] * len(tests))
+    leans = [proposal.lean + (noise * d if proposal.test.kind == "free" else 0.0) for d in OF_THE_LEAN]
+    time = proposal.test.time
+    jobs = [Job(m, d, time, float(time[0]), leans[d]) for m in range(len(models)) for d in range(len(tests))]
     moved = [
-        _difference(noisy.recorded(models[job.model], job.test, answer.theta), read[job.model][job.test % n])
+        _difference(noisy.recorded(models[job.model], job.test, answer.theta), read[job.model])
         for job, answer in zip(jobs, noisy.run(models, jobs), strict=True)
     ]
-    by_model = np.mean(np.square(moved).reshape(len(models), DRAWS, n), axis=1)
-    return np.asarray(np.sqrt(by_model.max(axis=0) + noise**2))
+    by_model = np.mean(np.square(moved).reshape(len(models), len(tests)), axis=1)
+    return math.sqrt(float(by_model.max()) + noise**2)
 
 
 def _repeated(finding: Finding) -> str:

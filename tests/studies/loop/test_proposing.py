@@ -5,7 +5,7 @@ import dataclasses
 import found
 import numpy as np
 
-from studies.loop.proposing import _left_open, _noise, _proposals, next_test
+from studies.loop.proposing import _again, _left_open, _most_telling, _noise, _proposals, next_test
 from studies.loop.runs.simulation import Job, Simulator
 
 
@@ -56,11 +56,37 @@ def test_a_test_is_judged_by_what_noise_leaves_open_there():
         ])] for step in (0.0, small)
     ]  # fmt: skip
     slopes = np.array([np.sqrt(np.mean((b - a) ** 2)) / small for a, b in zip(*read, strict=True)])
-    left = _left_open(finding, [finding.after], read[:1], proposals)
+    again = _again(proposals)
+    left = np.array([
+        _left_open(again[k], p, noise, [finding.after], [read[0][k]]) for k, p in enumerate(proposals)
+    ])  # fmt: skip
     of_the_lean = np.sqrt(left**2 - noise**2) / (noise * slopes)
     np.testing.assert_allclose(of_the_lean, 0.9226, rtol=0.1)
     both = dataclasses.replace(finding, verdict="unexplained")  # the tilt, or none
     assert next_test(both).endswith("times what the noise of the sensors leaves open there.")
+
+
+def test_tests_that_cannot_tell_most_are_not_run_under_other_noise(monkeypatch):
+    """What is proposed is what comes out where each of the tests is judged."""
+    finding = found.tilted()
+    proposals, noise, models = _proposals(finding), _noise(finding), [finding.before, finding.after]
+    simulator = Simulator([p.test for p in proposals])
+    read = [
+        [a.theta for a in simulator.run([model], [
+            Job(0, k, p.test.time, float(p.test.time[0]), p.lean) for k, p in enumerate(proposals)
+        ])] for model in models
+    ]  # fmt: skip
+    apart = np.array([np.sqrt(np.mean(np.clip(a - b, -0.05, 0.05) ** 2)) for a, b in zip(*read, strict=True)])
+    again, judged = _again(proposals), []
+    every = np.array([
+        _left_open(again[k], p, noise, models, [own[k] for own in read]) for k, p in enumerate(proposals)
+    ])  # fmt: skip
+    monkeypatch.setattr(
+        "studies.loop.proposing._left_open", lambda tests, p, *rest: judged.append(p) or _left_open(tests, p, *rest)
+    )
+    k, left = _most_telling(finding, models, read, proposals, apart)
+    assert k == np.argmax(apart / every) and left == every[k]
+    assert 0 < len(judged) < len(proposals)
 
 
 def test_where_no_test_would_tell_it_says_so():
