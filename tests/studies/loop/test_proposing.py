@@ -5,6 +5,7 @@ import dataclasses
 import found
 import numpy as np
 
+from studies.loop import proposing
 from studies.loop.proposing import _again, _left_open, _most_telling, _noise, _proposals, next_test
 from studies.loop.runs.simulation import Job, Simulator
 
@@ -82,7 +83,7 @@ def test_tests_that_cannot_tell_most_are_not_run_under_other_noise(monkeypatch):
         _left_open(again[k], p, noise, models, [own[k] for own in read]) for k, p in enumerate(proposals)
     ])  # fmt: skip
     monkeypatch.setattr(
-        "studies.loop.proposing._left_open", lambda tests, p, *rest: judged.append(p) or _left_open(tests, p, *rest)
+        proposing, "_left_open", lambda tests, p, *rest: judged.append(p) or _left_open(tests, p, *rest)
     )
     k, left = _most_telling(finding, models, read, proposals, apart)
     assert k == np.argmax(apart / every) and left == every[k]
