@@ -105,8 +105,8 @@ def _most_telling(
 ) -> tuple[int, float]:  # fmt: skip
     """The test in which the models are furthest apart over what noise leaves open, and how much that is [rad].
 
-    The sensor alone leaves its noise open, so that no test tells more than its difference over that; one of which this
-    is less than another one tells need not be run under other noise.
+    The sensor's own noise is left open in every test, so that none tells more than its difference over that.  Those
+    in which the models differ most come first; once one tells as much as that allows of the next, none is left to run.
 
     read: what the sensor reads without other noise, by model and test.
     apart: rms difference of the models [rad], shape (test,).
@@ -114,12 +114,11 @@ def _most_telling(
     again, noise = _again(proposals), _noise(finding)
     best, most, its_left = 0, -math.inf, noise
     for k in np.argsort(-apart, kind="stable").tolist():
-        if apart[k] / noise < most:
+        if apart[k] / noise <= most:
             break
         left = _left_open(again[k], proposals[k], noise, models, [own[k] for own in read])
-        told = float(apart[k]) / left
-        if told > most or (told == most and k < best):
-            best, most, its_left = k, told, left
+        if apart[k] / left > most:
+            best, most, its_left = k, float(apart[k]) / left, left
     return best, its_left
 
 
